@@ -1,0 +1,20 @@
+"""The one error this project raises on purpose: a sentence for the user."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class NavfmuError(Exception):
+    """A problem that the user can mend, told in a sentence.
+
+    The sentence names what was wrong, where (file, element, line) and what was expected. The command line prints it
+    without a traceback and exits with code 2.
+    """
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the known name nearest to ``name``, or an empty string."""
+    match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f"; did you mean '{match[0]}'?" if match else ""

@@ -1,0 +1,91 @@
+"""The lowered model: what the tracer hands to the code generator.
+
+A component declaration (``declaration.py``) is traced (``trace.py``) into a :class:`Model`: a flat list of variables
+and a list of tasks, each a CasADi function over the same four vectors. Everything that follows (C code,
+modelDescription.xml, documentation, the archive) is made from this object alone.
+
+Storage: every variable, of any type, is one double in the vector ``v``; its value reference is its index there.
+Arrays are contiguous, so that FMI 3.0 array variables need no other layout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar FMI variable. ``index`` is both its place in ``v`` and its value reference."""
+
+    index: int
+    name: str  # "reading.rate[1]"
+    type: str  # "Real", "Integer", "Boolean"
+    causality: str  # "input", "output", "parameter", "local"
+    variability: str  # "fixed", "tunable", "discrete", "continuous"
+    initial: str | None  # "exact", "calculated" or None (inputs)
+    start: float
+    unit: str | None = None  # SI, as in UNITS
+    display_unit: str | None = None
+    min: float | None = None
+    max: float | None = None
+    nominal: float | None = None
+    description: str = ""
+    bundle: str | None = None  # name of the bundle it belongs to
+    fault: bool = False  # an input that exists to inject a physical fault
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows searched by time: before each task ``row`` and ``next_row`` around the task's time are looked up."""
+
+    name: str  # file resources/<name>.csv, first column is the key
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One piece of behaviour: when it runs, and the function that computes the new values.
+
+    ``function`` is a ``casadi.Function`` with inputs
+    ``v`` (all variables), ``noise`` (``normals`` standard normal numbers), ``clock`` = [time, period],
+    ``rows`` (for each table its row and next row, concatenated), and one dense output ``r``; ``r[i]`` is then
+    stored in ``v[targets[i]]``. Shapes are columns; an unused input has length 0.
+    """
+
+    name: str
+    kind: str  # "start", "every", "on_new"
+    function: Any
+    targets: tuple[int, ...]
+    normals: int = 0
+    stream: int = 0  # third word of the noise counter, distinct for each task
+    period: int | None = None  # "every": index in v of the Real parameter that holds the period in s
+    sequence: int | None = None  # "on_new": index in v of the bundle's sequence number
+    time_of_validity: int | None = None  # "on_new"
+    lost: int | None = None  # "on_new": index in v of the Integer output that counts lost samples
+
+
+@dataclass(frozen=True)
+class Check:
+    """A requirement on parameters, tested when initialisation ends; ``function(v) -> 1`` when it holds."""
+
+    function: Any
+    message: str  # "{name}" is replaced by the parameter's value, printed with %.6g
+    names: tuple[tuple[str, int], ...] = ()  # placeholder name and index in v
+
+
+@dataclass(frozen=True)
+class Model:
+    """A component, ready to be turned into an FMU."""
+
+    name: str  # FMI modelName and modelIdentifier, e.g. "imu"
+    description: str
+    variables: tuple[Variable, ...]
+    tasks: tuple[Task, ...]
+    checks: tuple[Check, ...] = ()
+    tables: tuple[Table, ...] = ()
+    seed: int | None = None  # index in v of the fixed Integer parameters that key the noise
+    stream: int | None = None
+    documentation: dict[str, Any] = field(default_factory=dict)
