@@ -1,0 +1,33 @@
+# The four commands: make run, make test, make evidence, make wheel. Each sets up .venv first, once.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+JOBS   ?= 2
+
+.PHONY: run test evidence wheel build clean
+
+run: build
+	@$(BIN)/python -m system_ssp.main_job --out results/main
+
+test: $(READY)
+	@$(BIN)/python build_fmus.py
+	@$(BIN)/python -m pytest -n $(JOBS) -q
+
+evidence: build
+	@$(BIN)/python -m benchmarks.evidence --out results/evidence
+
+wheel: $(READY)
+	@$(BIN)/python -m tools.wheel --out dist
+
+build: $(READY)
+	@$(BIN)/python build_fmus.py
+
+$(READY): pyproject.toml
+	@echo "Setting up $(VENV): about 600 MB of packages (a compiler for five platforms among them), a few minutes once"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --progress-bar on -e ".[test]"
+	@touch $@
+
+clean:
+	rm -rf $(VENV) dist results build
