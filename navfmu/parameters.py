@@ -1,0 +1,178 @@
+"""Values for variables of an FMU: names that stand for arrays and bundles, texts with units, types and ranges."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.fmu import Description, Variable
+from navfmu.units import conversion
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
+_TRUE, _FALSE = {"true", "1", "yes", "on"}, {"false", "0", "no", "off"}
+
+
+def group(names: Iterable[str], name: str) -> dict[str, str]:
+    """Which of ``names`` a name stands for, by suffix: itself, the elements of an array, the members of a bundle."""
+    found = {}
+    for candidate in names:
+        if candidate == name:
+            return {"": candidate}
+        if candidate.startswith(name) and candidate[len(name)] in "[.":
+            found[candidate[len(name) :]] = candidate
+    return found
+
+
+def members(description: Description, name: str, causalities: set[str], where: str) -> dict[str, Variable]:
+    """The variables that ``name`` stands for and that have one of the causalities, by suffix."""
+    found = group(description.by_name, name)
+    if not found:
+        known = [v.name for v in description.variables if v.causality in causalities]
+        bases = {re.split(r"[\[.]", known_name)[0] for known_name in known} | set(known)
+        raise NavfmuError(f"{where}: {description.model_name} has no variable '{name}'{nearest(name, sorted(bases))}")
+    chosen = {suffix: description.by_name[n] for suffix, n in found.items()}
+    right = {suffix: variable for suffix, variable in chosen.items() if variable.causality in causalities}
+    if not right:
+        is_ = next(iter(chosen.values())).causality
+        raise NavfmuError(
+            f"{where}: '{name}' of {description.model_name} is {is_}, expected {' or '.join(causalities)}"
+        )
+    return right
+
+
+def expand(description: Description, values: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Checked values by scalar variable: ``{"x": [1, 2]}`` becomes ``{"x[1]": 1.0, "x[2]": 2.0}``.
+
+    A single value for an array sets all its elements. Texts may carry a unit: ``"0.5 deg/h"``.
+    """
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        found = group(description.by_name, name)
+        if not found:
+            known = {v.name for v in description.variables if _settable(v)}
+            known |= {re.split(r"\[", n)[0] for n in known}
+            raise NavfmuError(f"{where}: {description.model_name} has no parameter '{name}'{nearest(name, known)}")
+        if any(suffix.startswith(".") for suffix in found):
+            members_ = ", ".join(found.values())
+            raise NavfmuError(f"{where}: '{name}' is a bundle; name one of its members: {members_}")
+        elements = _elements(value, len(found), f"{where}: '{name}'")
+        for variable_name, element in zip(found.values(), elements, strict=True):
+            variable = description.by_name[variable_name]
+            flat[variable_name] = checked(description, variable, element, where)
+    return flat
+
+
+def checked(description: Description, variable: Variable, value: Any, where: str) -> float | int | bool | str:
+    """One value in the variable's own type and unit, or a sentence why it cannot be."""
+    if not _settable(variable):
+        raise NavfmuError(
+            f"{where}: '{variable.name}' cannot be set: it is {variable.causality}, {variable.variability}; "
+            "expected a parameter or an input"
+        )
+    what = f"{where}: '{variable.name}' = {value}"
+    if variable.type == "String":
+        return str(value)
+    if variable.type == "Boolean":
+        return _boolean(value, what)
+    number = _number(description, variable, value, what)
+    if variable.type in ("Integer", "Enumeration"):
+        if number != math.floor(number):
+            raise NavfmuError(f"{what}: expected an integer")
+        number = int(number)
+    check_range(variable, number, where)
+    return number
+
+
+def check_range(variable: Variable, value: float, where: str) -> None:
+    """Refuse a value outside the range that the model description gives."""
+    unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
+    low, high = variable.min, variable.max
+    if (low is None or value >= low) and (high is None or value <= high) and not math.isnan(value):
+        return
+    if low is not None and high is not None:
+        allowed = f"expected {low:.12g} to {high:.12g}{unit}"
+    elif low is not None:
+        allowed = f"expected at least {low:.12g}{unit}"
+    elif high is not None:
+        allowed = f"expected at most {high:.12g}{unit}"
+    else:
+        allowed = "expected a number"
+    raise NavfmuError(f"{where}: '{variable.name}' = {value:.12g}{unit} is out of range: {allowed}")
+
+
+def _settable(variable: Variable) -> bool:
+    if variable.variability == "constant" or variable.causality in ("independent", "calculatedParameter", "output"):
+        return False
+    if variable.causality in ("parameter", "input"):
+        return True
+    return variable.initial in ("exact", "approx")
+
+
+def _elements(value: Any, count: int, what: str) -> list[Any]:
+    if isinstance(value, str):
+        text = value.strip()
+        if text.startswith("[") and text.endswith("]"):
+            value = [part.strip() for part in text[1:-1].replace("[", "").replace("]", "").split(",")]
+        else:
+            return [value] * count
+    elif hasattr(value, "tolist"):  # NumPy
+        value = value.tolist()
+    if not isinstance(value, (list, tuple)):
+        return [value] * count
+    flat = list(_flatten(value))
+    if len(flat) != count:
+        raise NavfmuError(f"{what}: {len(flat)} values given, expected {count}")
+    return flat
+
+
+def _flatten(values: Iterable[Any]) -> Iterable[Any]:
+    for value in values:
+        if isinstance(value, (list, tuple)):
+            yield from _flatten(value)
+        elif hasattr(value, "tolist") and getattr(value, "ndim", 0):
+            yield from _flatten(value.tolist())
+        else:
+            yield value
+
+
+def _boolean(value: Any, what: str) -> bool:
+    text = str(value).strip().lower()
+    if text in _TRUE or value is True:
+        return True
+    if text in _FALSE or value is False:
+        return False
+    raise NavfmuError(f"{what}: expected true or false")
+
+
+def _number(description: Description, variable: Variable, value: Any, what: str) -> float:
+    if isinstance(value, str):
+        match = _NUMBER.match(value)
+        if match is None:
+            raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
+        number, unit = float(match[1]), match[2]
+        return _in_own_unit(description, variable, number, unit, what) if unit else number
+    try:
+        return value if isinstance(value, int) and not isinstance(value, bool) else float(value)
+    except (TypeError, ValueError):
+        raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}") from None
+
+
+def _with_unit(variable: Variable) -> str:
+    return f", for example '1.5 {variable.display_unit or variable.unit}'" if variable.unit else ""
+
+
+def _in_own_unit(description: Description, variable: Variable, number: float, unit: str, what: str) -> float:
+    if unit == variable.unit:
+        return number
+    display = description.display_units.get(variable.unit or "", {})
+    if unit in display:
+        factor, offset = display[unit]
+        return (number - offset) / factor
+    if unit in description.units and variable.unit in description.units:
+        factor, offset = conversion(description.units[unit], description.units[variable.unit], what)
+        return factor * number + offset
+    known = [name for name in (variable.unit, *display) if name]
+    raise NavfmuError(f"{what}: unit '{unit}' is not known here; expected {' or '.join(known) if known else 'no unit'}")

@@ -1,0 +1,23 @@
+"""Names that the SSP 1.0 documents share: namespaces, schemas, and the name of the parameter sets we write."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+NAMESPACES = {
+    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+}
+MAIN = "SystemStructure.ssd"
+RESOURCES = "resources"
+PARAMETER_SET = "initialValues"  # hosts apply one set by name to all components: ours all have this one
+
+
+def schema(name: str) -> Path:
+    """Path of an SSP 1.0 schema file, as FMPy ships it (found without importing FMPy)."""
+    package = importlib.util.find_spec("fmpy")
+    return Path(package.origin).parent / "ssp" / "schema" / f"{name}.xsd"

@@ -1,0 +1,49 @@
+"""Reads XML without entity expansion, document types or network access, and validates it against a schema."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from navfmu.errors import NavfmuError
+
+
+def parse(data: bytes, where: str) -> Any:
+    """The root element of an XML document (lxml); ``where`` names the file in messages."""
+    from lxml import etree
+
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, dtd_validation=False, huge_tree=False
+    )
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        line = f", line {error.lineno}" if error.lineno else ""
+        raise NavfmuError(f"{where}{line}: is not well-formed XML: {error.msg}") from None
+    if root.getroottree().docinfo.doctype:
+        raise NavfmuError(f"{where}: has a document type declaration, which is not accepted")
+    return root
+
+
+def validate(root: Any, schema: Path, where: str) -> None:
+    """Check a document against an XML schema; the first problem becomes a sentence with its line."""
+    rules = _schema(schema)
+    if not rules.validate(root):
+        problem = rules.error_log[0]
+        more = f" (and {len(rules.error_log) - 1} more)" if len(rules.error_log) > 1 else ""
+        raise NavfmuError(f"{where}, line {problem.line}: {_plain(problem.message)}{more}")
+
+
+@cache
+def _schema(path: Path) -> Any:
+    from lxml import etree
+
+    return etree.XMLSchema(file=str(path))
+
+
+def _plain(message: str) -> str:
+    """A schema message without namespaces in braces."""
+    import re
+
+    return re.sub(r"\{[^}]*\}", "", message).rstrip(".")
