@@ -346,8 +346,8 @@ def _check_pair(source: Variable, target: Variable, where: str) -> None:
         raise NavfmuError(f"{where}: '{source.name}' is {source.type}, '{target.name}' is {target.type}")
     if source.unit != target.unit:
         raise NavfmuError(
-            f"{where}: '{source.name}' is in {source.unit or 'no unit'}, '{target.name}' in {target.unit or 'no unit'}; "
-            "a system that other hosts run needs the same unit at both ends"
+            f"{where}: '{source.name}' is in {source.unit or 'no unit'}, "
+            f"'{target.name}' in {target.unit or 'no unit'}; a system that other hosts run needs the same unit at both ends"
         )
 
 
