@@ -1,0 +1,514 @@
+"""A plan: everything a run needs, as plain arrays. Both engines execute the same plan and return the same bits.
+
+Every value that leaves an output is a *signal*: one double, whatever its FMI type, in one vector for all components.
+The signals of a component lie together (Real, Integer, Boolean); after those of all components come the *driven*
+signals, which no FMU computes: the values of unconnected inputs and tunable parameters that a fault changes.
+
+What happens at the communication points t_k (``Clock.time``):
+
+* t = 0: start values are set; all outputs are read once (start values, for cycles); then, in order, each component gets
+  its inputs, leaves initialisation, and its outputs are read, with the faults active at t = 0.
+* **Jacobi**: all components get their inputs as of t_k, then all make the step to t_{k+1}.
+* **Gauss-Seidel**: one after the other, in ``order``, each gets its inputs and makes the step. From a component that has
+  already made it (every connection, except those that were cut), a discrete input (bundle, Integer, Boolean) is the
+  newest value, that of t_{k+1}: its time of validity tells the receiver from when it holds. A *smooth* input
+  (continuous Real, from a continuous output, at an FMU that can interpolate) starts at the value of t_k with the slope
+  (u(t_{k+1}) - u(t_k)) / h. At an FMU that cannot interpolate it is u(t_{k+1}) over the whole step, which is exact for
+  components that sample at the end of a step. Over a cut connection everything is held at t_k, as in Jacobi.
+* **Faults** change a value as it leaves at t_k, first <= k < end. Over the step that follows t_k the fault of t_k stays in
+  force: the slope of a smooth input is taken from the true value at t_{k+1} with the fault active at t_k still acting
+  on it (bias kept, drift continued, noise held), so that a fault begins and ends at a communication point as a step and
+  not as a ramp that leads up to it. Driven signals are held from t_k to t_{k+1}.
+* Each value set, doStep and value read returns a status: OK and Warning go on, everything else ends the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navfmu.engine.clock import Clock
+from navfmu.engine.order import sort_components
+from navfmu.errors import NavfmuError, nearest
+from navfmu.faults.effect import EFFECT, Effect, effects_of, table
+from navfmu.faults.fault import Fault, is_number
+
+TYPES = ("Real", "Integer", "Boolean")
+ALGORITHMS = ("jacobi", "gauss_seidel")
+
+
+# ---- what goes in ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of an FMU, as in its modelDescription.xml. Enumerations count as Integer."""
+
+    name: str
+    reference: int
+    type: str  # "Real", "Integer", "Boolean", "String"
+    causality: str  # "input", "output", "parameter", "calculatedParameter", "local", "independent"
+    variability: str = "continuous"  # "constant", "fixed", "tunable", "discrete", "continuous"
+    initial: str | None = None  # "exact", "approx", "calculated"
+    start: Any = None
+    unit: str | None = None
+    min: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU instance of a system: an unpacked FMI 2.0 co-simulation FMU, its variables and its start values."""
+
+    name: str
+    directory: Path  # the unpacked FMU; resources are in its folder "resources"
+    library: Path  # the binary for this machine
+    identifier: str  # modelIdentifier
+    guid: str
+    variables: Mapping[str, Variable]
+    start: Mapping[str, Any] = field(default_factory=dict)  # parameters and inputs, set before initialisation
+    interpolates: bool = False  # canInterpolateInputs
+    restores: bool = False  # canGetAndSetFMUstate
+    single: bool = False  # canBeInstantiatedOnlyOncePerProcess
+    log_categories: Sequence[str] = ()
+
+    def elements(self, name: str) -> list[Variable]:
+        """The variable of this name, or the elements of the array of this name (``x`` -> ``x[1]``, ``x[2]`` ...)."""
+        if name in self.variables:
+            return [self.variables[name]]
+        return [v for v in self.variables.values() if v.name.startswith(name + "[")]
+
+    def of(self, causality: str) -> list[Variable]:
+        """The variables of one causality."""
+        return [v for v in self.variables.values() if v.causality == causality]
+
+
+@dataclass(frozen=True)
+class Connection:
+    """``target = factor * source + offset`` (the unit conversion of the SSP connection; 1 and 0 copy the bits)."""
+
+    source: str  # "component.output"
+    target: str  # "component.input"
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+# ---- what comes out --------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Values of one type that are set before initialisation."""
+
+    names: tuple[str, ...]
+    references: np.ndarray  # uint32
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Inputs of one group: input i is ``factor[i] * signal[source[i]] + offset[i]``."""
+
+    names: tuple[str, ...]
+    references: np.ndarray  # uint32
+    source: np.ndarray  # int32, signals
+    factor: np.ndarray  # float64
+    offset: np.ndarray  # float64
+
+    @property
+    def scaled(self) -> bool:
+        """True if any of them is not a plain copy."""
+        return bool(np.any(self.factor != 1.0) or np.any(self.offset != 0.0))
+
+
+@dataclass(frozen=True)
+class Part:
+    """One component in the plan."""
+
+    component: Component
+    settings: Mapping[str, Settings]  # by type: "Real", "Integer", "Boolean", "String"
+    smooth: Inputs  # Real, set with a slope
+    real: Inputs  # held
+    integer: Inputs
+    boolean: Inputs
+    first_signal: int
+    outputs: Mapping[str, np.ndarray]  # by type, value references read after each step, in the order of the signals
+    first_effect: int  # rows of the fault table
+    effects: int
+
+    @property
+    def signals(self) -> int:
+        """How many signals it has."""
+        return sum(len(references) for references in self.outputs.values())
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A column of the recording: ``factor * signal[slot] + offset``."""
+
+    name: str
+    slot: int
+    true: bool = False  # the value before faults
+    factor: float = 1.0
+    offset: float = 0.0
+    type: str = "Real"
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything a run needs."""
+
+    parts: tuple[Part, ...]  # in the order of the system description
+    order: tuple[int, ...]  # in which parts initialise and, in Gauss-Seidel, step
+    algorithm: str
+    clock: Clock
+    signals: tuple[str, ...]  # names, "component.variable"
+    driven: np.ndarray  # float64, undisturbed values of the driven signals, which are the last ones
+    effects: np.ndarray  # EFFECT: those of part 0, part 1 ..., then those of driven signals
+    recorded: tuple[Recorded, ...]
+    record_every: int  # steps
+    cut: tuple[str, ...]  # connections that were cut, "a.y -> b.u"
+    notes: tuple[str, ...]  # sentences for the user
+
+    @property
+    def rows(self) -> int:
+        """Rows of the recording, the one at t = 0 included."""
+        return self.clock.steps // self.record_every + 1
+
+    @property
+    def first_driven(self) -> int:
+        """The first driven signal."""
+        return len(self.signals) - len(self.driven)
+
+    @property
+    def first_driven_effect(self) -> int:
+        """The first row of the fault table that acts on a driven signal."""
+        return sum(part.effects for part in self.parts)
+
+
+def make_plan(
+    components: Sequence[Component],
+    connections: Sequence[Connection],
+    *,
+    step: float,
+    stop: float,
+    algorithm: str = "gauss_seidel",
+    record: Sequence[str] | None = None,
+    record_period: float | None = None,
+    faults: Sequence[Fault] = (),
+    seed: int = 1,
+) -> Plan:
+    """The plan of a run from 0 to ``stop`` (s) in steps of ``step`` (s).
+
+    ``record`` names variables ("imu.reading.rate[1]"), arrays and bundles ("imu.reading.rate", "imu.reading") or
+    patterns ("imu.*"), each with or without "@true"; by default all outputs are recorded. ``seed`` keys the noise of
+    faults. Whatever does not fit together is a ``NavfmuError``.
+    """
+    if algorithm not in ALGORITHMS:
+        hint = nearest(algorithm, ALGORITHMS)
+        raise NavfmuError(f"unknown algorithm '{algorithm}'{hint} (there are {' and '.join(ALGORITHMS)})")
+    clock = Clock.of(step, stop)
+    every = 1 if record_period is None else clock.multiple(record_period, "recording period")
+    by_name = _by_name(components)
+    links = [_link(connection, by_name) for connection in connections]
+    connected = _connected(links)
+    effects = effects_of(faults, by_name, connected)
+    columns = _columns(record, by_name)
+
+    index = {component.name: i for i, component in enumerate(components)}
+    order, cut_edges = sort_components(len(components), ((index[s.component], index[t.component]) for s, t, _ in links))
+    cut_names = {(components[a].name, components[b].name) for a, b in cut_edges}
+    cut = [(s, t) for s, t, _ in links if (s.component, t.component) in cut_names]
+
+    read = {s.key for s, _, _ in links} | {(e.component, e.variable) for e in effects if not e.driven}
+    driven = {(e.component, e.variable): None for e in effects if e.driven}  # a set that keeps its order
+    for end, _ in columns:
+        if end.key not in connected and end.key not in driven:
+            read.add(end.key)
+    outputs = {
+        c.name: {t: [v for v in c.variables.values() if v.type == t and (c.name, v.name) in read] for t in TYPES}
+        for c in components
+    }
+    signals = [(c.name, v.name) for c in components for t in TYPES for v in outputs[c.name][t]] + list(driven)
+    slots = {key: slot for slot, key in enumerate(signals)}
+
+    ordered = [e for c in components for e in effects if e.component == c.name and not e.driven]
+    ordered += [e for e in effects if e.driven]
+    effect_table = table(ordered, slots, clock, seed) if ordered else np.zeros(0, EFFECT)
+
+    parts, first_effect = [], 0
+    for component in components:
+        groups = _groups(component, links, driven, slots, algorithm, set(cut))
+        count = sum(e.component == component.name and not e.driven for e in ordered)
+        references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
+        first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
+        parts.append(
+            Part(component, _settings(component), *groups, first_signal, references, first_effect, count)  # fmt: skip
+        )
+        first_effect += count
+    return Plan(
+        parts=tuple(parts),
+        order=tuple(order),
+        algorithm=algorithm,
+        clock=clock,
+        signals=tuple(f"{c}.{v}" for c, v in signals),
+        driven=np.array([_undisturbed(by_name[c], v) for c, v in driven], np.float64),
+        effects=effect_table,
+        recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
+        record_every=every,
+        cut=tuple(f"{s} -> {t}" for s, t in cut),
+        notes=tuple(_notes(cut, algorithm, ordered, effect_table, clock)),
+    )
+
+
+@dataclass(frozen=True)
+class _End:
+    """One end of a connection: a variable of a component."""
+
+    component: str
+    variable: Variable
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.component, self.variable.name
+
+    def __str__(self) -> str:
+        return f"{self.component}.{self.variable.name}"
+
+
+_Link = tuple[_End, _End, Connection]
+
+
+def _by_name(components: Sequence[Component]) -> dict[str, Component]:
+    by_name: dict[str, Component] = {}
+    for component in components:
+        if component.name in by_name:
+            raise NavfmuError(f"two components have the name '{component.name}'")
+        by_name[component.name] = component
+        if component.single and sum(other.library == component.library for other in by_name.values()) > 1:
+            raise NavfmuError(
+                f"component '{component.name}': the FMU '{component.identifier}' allows one instance in a process only"
+            )
+    if not by_name:
+        raise NavfmuError("the system has no components")
+    return by_name
+
+
+def _end(name: str, by_name: Mapping[str, Component], where: str) -> _End:
+    """The variable that "component.variable" names."""
+    component, dot, variable = name.partition(".")
+    if component not in by_name:
+        raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, by_name)}")
+    variables = by_name[component].variables
+    if not dot or variable not in variables:
+        raise NavfmuError(
+            f"{where}: component '{component}' has no variable '{variable}'{nearest(variable, variables)}"
+        )
+    return _End(component, variables[variable])
+
+
+def _link(connection: Connection, by_name: Mapping[str, Component]) -> _Link:
+    where = f"connection {connection.source} -> {connection.target}"
+    source, target = _end(connection.source, by_name, where), _end(connection.target, by_name, where)
+    if source.variable.causality != "output":
+        raise NavfmuError(f"{where}: '{source}' is not an output ({source.variable.causality})")
+    if target.variable.causality != "input":
+        raise NavfmuError(f"{where}: '{target}' is not an input ({target.variable.causality})")
+    kinds = source.variable.type, target.variable.type
+    if kinds[0] not in TYPES or (kinds[0] != kinds[1] and kinds != ("Integer", "Real")):
+        raise NavfmuError(f"{where}: a {kinds[0]} cannot be connected to a {kinds[1]}")
+    if (connection.factor, connection.offset) != (1.0, 0.0) and kinds[1] != "Real":
+        raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
+    if not np.isfinite([connection.factor, connection.offset]).all():
+        raise NavfmuError(f"{where}: factor {connection.factor!r} and offset {connection.offset!r} must be finite")
+    return source, target, connection
+
+
+def _connected(links: Sequence[_Link]) -> dict[tuple[str, str], tuple[_End, Connection]]:
+    """For each connected input its source."""
+    connected: dict[tuple[str, str], tuple[_End, Connection]] = {}
+    for source, target, connection in links:
+        if target.key in connected:
+            raise NavfmuError(f"input '{target}' has two sources: '{connected[target.key][0]}' and '{source}'")
+        connected[target.key] = source, connection
+    return connected
+
+
+def _groups(
+    component: Component,
+    links: Sequence[_Link],
+    driven: Mapping[tuple[str, str], None],
+    slots: Mapping[tuple[str, str], int],
+    algorithm: str,
+    cut: set[tuple[_End, _End]],
+) -> tuple[Inputs, Inputs, Inputs, Inputs]:
+    """The inputs of a component: smooth, held Real, Integer, Boolean."""
+    groups: dict[str, list[tuple[Variable, int, float, float]]] = {"smooth": [], **{t: [] for t in TYPES}}
+    for source, target, connection in links:
+        if target.component != component.name:
+            continue
+        smooth = (
+            algorithm == "gauss_seidel"
+            and component.interpolates
+            and target.variable.type == source.variable.type == "Real"
+            and target.variable.variability == source.variable.variability == "continuous"
+            and (source, target) not in cut
+        )
+        group = "smooth" if smooth else target.variable.type
+        groups[group].append((target.variable, slots[source.key], connection.factor, connection.offset))
+    for name, variable in driven:
+        if name == component.name:
+            target_variable = component.variables[variable]
+            groups[target_variable.type].append((target_variable, slots[name, variable], 1.0, 0.0))
+    return tuple(_inputs(rows) for rows in groups.values())  # type: ignore[return-value]
+
+
+def _inputs(rows: list[tuple[Variable, int, float, float]]) -> Inputs:
+    return Inputs(
+        tuple(v.name for v, *_ in rows),
+        np.array([v.reference for v, *_ in rows], np.uint32),
+        np.array([source for _, source, _, _ in rows], np.int32),
+        np.array([factor for _, _, factor, _ in rows], np.float64),
+        np.array([offset for _, _, _, offset in rows], np.float64),
+    )
+
+
+def _settings(component: Component) -> dict[str, Settings]:
+    """Start values by type, checked: known, settable, of the right type and in range."""
+    chosen: dict[str, Any] = {}
+    for name, value in component.start.items():
+        variables = component.elements(name)
+        if not variables:
+            hint = nearest(name, [v.name for v in component.variables.values() if _settable(v)])
+            raise NavfmuError(f"start value: component '{component.name}' has no variable '{name}'{hint}")
+        values = value if isinstance(value, list | tuple | np.ndarray) else [value] * len(variables)
+        if len(values) != len(variables):
+            raise NavfmuError(
+                f"'{component.name}.{name}' has {len(variables)} elements, but {len(values)} start values"
+            )
+        chosen |= {v.name: _start(component, v, a) for v, a in zip(variables, values, strict=True)}
+    settings = {}
+    for kind in (*TYPES, "String"):
+        of_kind = [component.variables[name] for name in chosen if component.variables[name].type == kind]
+        settings[kind] = Settings(
+            tuple(v.name for v in of_kind),
+            np.array([v.reference for v in of_kind], np.uint32),
+            tuple(chosen[v.name] for v in of_kind),
+        )
+    return settings
+
+
+def _settable(variable: Variable) -> bool:
+    if variable.variability == "constant":
+        return False
+    return variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
+
+
+def _start(component: Component, variable: Variable, value: Any) -> Any:
+    name = f"'{component.name}.{variable.name}'"
+    if isinstance(value, np.generic):
+        value = value.item()
+    if not _settable(variable):
+        raise NavfmuError(f"{name} cannot be given a start value: it is a {variable.variability} {variable.causality}")
+    if variable.type == "String":
+        if not isinstance(value, str):
+            raise NavfmuError(f"the start value of {name} must be a text, not {value!r}")
+        return value
+    if variable.type == "Boolean":
+        if not isinstance(value, bool) and value not in (0, 1):
+            raise NavfmuError(f"the start value of {name} must be true or false, not {value!r}")
+        return bool(value)
+    if not is_number(value) or (variable.type == "Integer" and value != int(value)):
+        expected = "a whole number" if variable.type == "Integer" else "a number"
+        raise NavfmuError(f"the start value of {name} must be {expected}, not {value!r}")
+    low = -np.inf if variable.min is None else variable.min
+    high = np.inf if variable.max is None else variable.max
+    if not low <= value <= high:
+        unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
+        raise NavfmuError(f"{name} = {value:.9g}{unit} is outside its range {low:.9g} to {high:.9g}{unit}")
+    return int(value) if variable.type == "Integer" else float(value)
+
+
+def _undisturbed(component: Component, name: str) -> float:
+    """The value of a driven variable while no fault acts on it."""
+    value = component.variables[name].start
+    for key, given in component.start.items():
+        for place, variable in enumerate(component.elements(key)):
+            if variable.name == name:
+                value = given[place] if isinstance(given, list | tuple | np.ndarray) else given
+    if value is None:
+        raise NavfmuError(f"'{component.name}.{name}' has no start value to return to after a fault")
+    return float(value)
+
+
+def _columns(record: Sequence[str] | None, by_name: Mapping[str, Component]) -> list[tuple[_End, bool]]:
+    """The variables to record, each with whether its true value is wanted."""
+    if record is None:
+        return [(_End(c.name, v), False) for c in by_name.values() for v in c.of("output") if v.type in TYPES]
+    columns: dict[tuple[tuple[str, str], bool], _End] = {}
+    for name in [record] if isinstance(record, str) else record:
+        signal, _, suffix = name.partition("@")
+        if suffix not in ("", "true") or name.endswith("@"):
+            raise NavfmuError(f"recorded signal '{name}': after @ only 'true' is known")
+        for end in _matching(signal, by_name):
+            if suffix and end.variable.causality != "output":
+                raise NavfmuError(f"recorded signal '{name}': only outputs have a true value beside the faulted one")
+            columns[end.key, bool(suffix)] = end
+    return [(end, true) for (_, true), end in columns.items()]
+
+
+def _matching(name: str, by_name: Mapping[str, Component]) -> list[_End]:
+    """The variables meant by a name, array, bundle or pattern."""
+    where = f"recorded signal '{name}'"
+    if any(sign in name for sign in "*?"):
+        found = [
+            _End(c.name, v)
+            for c in by_name.values()
+            for v in c.of("output")
+            if v.type in TYPES and fnmatchcase(f"{c.name}.{v.name}", name)
+        ]
+        if not found:
+            raise NavfmuError(f"{where}: no output matches the pattern")
+        return found
+    component, _, variable = name.partition(".")
+    if component in by_name and variable and variable not in by_name[component].variables:
+        members = (f"{variable}[", f"{variable}.")
+        found = [_End(component, v) for v in by_name[component].variables.values() if v.name.startswith(members)]
+        if found:
+            return [end for end in found if end.variable.type in TYPES]
+    end = _end(name, by_name, where)
+    if end.variable.type not in TYPES:
+        raise NavfmuError(f"{where}: a {end.variable.type} cannot be recorded")
+    return [end]
+
+
+def _recorded(
+    end: _End,
+    true: bool,
+    slots: Mapping[tuple[str, str], int],
+    connected: Mapping[tuple[str, str], tuple[_End, Connection]],
+) -> Recorded:
+    name = f"{end}@true" if true else str(end)
+    variable = end.variable
+    if end.key in connected:
+        source, connection = connected[end.key]
+        slot, factor, offset = slots[source.key], connection.factor, connection.offset
+        return Recorded(name, slot, true, factor, offset, variable.type, variable.unit)
+    return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)
+
+
+def _notes(
+    cut: Sequence[tuple[_End, _End]], algorithm: str, effects: Sequence[Effect], rows: np.ndarray, clock: Clock
+) -> Iterable[str]:
+    if cut and algorithm == "gauss_seidel":
+        where = ", ".join(f"{s} -> {t}" for s, t in cut)
+        yield f"the system has cycles; one communication step late: {where}"
+    late = dict.fromkeys(e.fault.id for e, row in zip(effects, rows, strict=True) if row["first"] > clock.steps)
+    for name in late:
+        yield f"fault '{name}' starts after the end of the run"

@@ -1,0 +1,241 @@
+"""What faults do to single variables: each fault becomes one or more effects, each on one scalar variable.
+
+An effect acts at the communication points t_k with first <= k < end. Effects on the same variable act in the order of
+the fault file. Kinds, with v the value so far (at first: the true one):
+
+======  ===========================================================================================
+ADD     v + amount
+RAMP    v + amount * (t_k - start)
+SET     amount
+HOLD    the v of the last communication point before the first (of the first itself, if that is t = 0)
+NOISE   v + amount * z_j, z_j the j-th normal number of the effect's stream, j = floor(t_k / period)
+======  ===========================================================================================
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from navfmu.engine.clock import FOREVER, Clock, exact
+from navfmu.errors import nearest
+from navfmu.faults.fault import Fault, is_number
+
+if TYPE_CHECKING:
+    from navfmu.engine.plan import Component, Variable
+
+ADD, RAMP, SET, HOLD, NOISE = range(5)
+STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
+
+# One row of the fault table, laid out as struct Effect in source/master.h. The last two fields are its memory.
+EFFECT = np.dtype(
+    [
+        ("kind", np.int32),
+        ("slot", np.int32),  # the signal it changes
+        ("first", np.int64),  # communication points, first <= k < end
+        ("end", np.int64),
+        ("amount", np.float64),
+        ("start", np.float64),  # s, origin of a RAMP
+        ("seed", np.uint64),  # NOISE: key of the stream
+        ("stream", np.uint64),
+        ("lane", np.uint64),  # NOISE: element of an array
+        ("multiplier", np.int64),  # NOISE: j = k * multiplier / divisor, in integers
+        ("divisor", np.int64),
+        ("memory", np.float64),  # HOLD: the value; NOISE: amount * z_j
+        ("drawn", np.int64),  # NOISE: j of the memory, -1 before the first
+    ],
+    align=True,
+)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect on ``component.variable``; ``driven`` when the variable is set by the engine and not read from the FMU."""
+
+    fault: Fault
+    component: str
+    variable: str
+    kind: int
+    amount: float = 0.0
+    lane: int = 0
+    driven: bool = False
+
+
+def effects_of(
+    faults: Iterable[Fault], components: Mapping[str, Component], connected: Collection[tuple[str, str]]
+) -> list[Effect]:
+    """The effects of faults, in order; ``connected`` holds (component, input) of every connected input."""
+    return [effect for fault in faults for effect in _effects(fault, components, connected)]
+
+
+def _effects(fault: Fault, components: Mapping[str, Component], connected: Collection[tuple[str, str]]) -> list[Effect]:
+    name, _, signal = fault.target.partition(".")
+    if name not in components:
+        hint = nearest(name, components)
+        raise fault.error(f"target '{fault.target}': there is no component '{name}'{hint}", "target")
+    component = components[name]
+    if fault.type == "dropout":
+        return _dropout(fault, component, signal)
+    variables = component.elements(signal)
+    if not variables:
+        wanted = _targets(fault, component, connected)
+        hint = nearest(signal, {base for v in wanted for base in (v.name, v.name.partition("[")[0])})
+        raise fault.error(f"target '{fault.target}': component '{name}' has no variable '{signal}'{hint}", "target")
+    for variable in variables:
+        _check_target(fault, component, variable, connected)
+    if fault.type == "input":
+        values = _values(fault, variables, "value", True if variables[0].type == "Boolean" else None)
+        return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
+    if fault.type == "parameter":
+        values = _values(fault, variables, "value")
+        return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
+    if fault.type == "stuck" and "value" not in fault.parameters:
+        return [Effect(fault, name, v.name, HOLD) for v in variables]
+    kind, parameter = {
+        "bias": (ADD, "value"),
+        "drift": (RAMP, "rate"),
+        "stuck": (SET, "value"),
+        "noise": (NOISE, "sigma"),
+    }[fault.type]
+    values = _values(fault, variables, parameter)
+    return [Effect(fault, name, v.name, kind, a, i) for i, (v, a) in enumerate(zip(variables, values, strict=True))]
+
+
+def _dropout(fault: Fault, component: Component, bundle: str) -> list[Effect]:
+    members = [v for v in component.variables.values() if v.causality == "output" and v.name.startswith(bundle + ".")]
+    names = {v.name for v in members}
+    if not {f"{bundle}.valid", f"{bundle}.sequence"} <= names:
+        known = sorted(
+            v.name.removesuffix(".valid")
+            for v in component.variables.values()
+            if v.causality == "output" and v.name.endswith(".valid")
+        )
+        have = ", ".join(f"'{name}'" for name in known) or "none"
+        raise fault.error(
+            f"target '{fault.target}' is not an output bundle (values with 'valid' and 'sequence')"
+            f"{nearest(bundle, known)}; bundles of '{component.name}': {have}",
+            "target",
+        )
+    return [Effect(fault, component.name, v.name, SET if v.name == f"{bundle}.valid" else HOLD, 0.0) for v in members]
+
+
+def _targets(fault: Fault, component: Component, connected: Collection[tuple[str, str]]) -> list[Variable]:
+    """Variables of a component that this type of fault may act on."""
+    if fault.type == "input":
+        return [v for v in component.of("input") if (component.name, v.name) not in connected]
+    if fault.type == "parameter":
+        return [v for v in component.of("parameter") if v.variability == "tunable"]
+    return [v for v in component.of("output") if fault.type == "stuck" or v.type == "Real"]
+
+
+def _check_target(
+    fault: Fault, component: Component, variable: Variable, connected: Collection[tuple[str, str]]
+) -> None:
+    """Raise the sentence that says why this variable does not support this fault."""
+    target = f"'{component.name}.{variable.name}'"
+    if fault.type in ("input", "parameter"):
+        if variable.causality != fault.type:
+            raise fault.error(f"{target} is not an {_what(fault)} but {_article(variable.causality)}", "target")
+        if fault.type == "input" and (component.name, variable.name) in connected:
+            raise fault.error(f"input {target} is connected; only an unconnected input can be driven", "target")
+        if fault.type == "parameter" and variable.variability != "tunable":
+            raise fault.error(f"parameter {target} is {variable.variability}; only a tunable one can change", "target")
+    elif variable.causality != "output":
+        physical = variable.causality == "input" and (component.name, variable.name) not in connected
+        hint = "; to drive an unconnected input use type 'input'" if physical else ""
+        raise fault.error(
+            f"type '{fault.type}' acts on outputs, but {target} is {_article(variable.causality)}{hint}", "target"
+        )
+    elif fault.type != "stuck" and variable.type != "Real":
+        raise fault.error(
+            f"type '{fault.type}' acts on Real outputs, but {target} is {_article(variable.type)} (use 'stuck')", "type"
+        )
+    if variable.type not in ("Real", "Integer", "Boolean"):
+        raise fault.error(f"{target} is a {variable.type}; faults act on Real, Integer and Boolean variables", "target")
+
+
+def _what(fault: Fault) -> str:
+    return "input" if fault.type == "input" else "adjustable (tunable) parameter"
+
+
+def _article(word: str) -> str:
+    return f"an {word}" if word[0] in "aeiouI" else f"a {word}"
+
+
+def _values(fault: Fault, variables: list[Variable], parameter: str, default: Any = None) -> list[float]:
+    """A fault's parameter for each element of its target, checked against the element's type and range."""
+    value = fault.parameters.get(parameter, default)
+    if value is None:
+        raise fault.error(f"type '{fault.type}' needs the parameter '{parameter}' for a Real or Integer target", "type")
+    values = value if isinstance(value, list | tuple) else [value] * len(variables)
+    if len(values) != len(variables):
+        raise fault.error(f"'{parameter}' has {len(values)} values, but the target has {len(variables)}", parameter)
+    return [_value(fault, v, parameter, a) for v, a in zip(variables, values, strict=True)]
+
+
+def _value(fault: Fault, variable: Variable, parameter: str, value: Any) -> float:
+    if variable.type == "Boolean":
+        if not isinstance(value, bool):
+            raise fault.error(f"'{parameter}' must be true or false for '{variable.name}', not {value!r}", parameter)
+        return float(value)
+    if not is_number(value) or not math.isfinite(value):
+        raise fault.error(f"'{parameter}' must be a finite number for '{variable.name}', not {value!r}", parameter)
+    if variable.type == "Integer" and value != int(value):
+        raise fault.error(f"'{parameter}' must be a whole number for '{variable.name}', not {value!r}", parameter)
+    if parameter == "sigma" and value < 0:
+        raise fault.error(f"'sigma' must not be negative, not {value!r}", parameter)
+    if fault.type in ("input", "parameter"):
+        low = -math.inf if variable.min is None else variable.min
+        high = math.inf if variable.max is None else variable.max
+        if not low <= value <= high:
+            raise fault.error(
+                f"'{parameter}' = {value:.9g} is outside {low:.9g} to {high:.9g}, the range of '{variable.name}'",
+                parameter,
+            )
+    return float(value)
+
+
+def table(effects: list[Effect], slots: Mapping[tuple[str, str], int], clock: Clock, seed: int) -> np.ndarray:
+    """The effects as rows of ``EFFECT``, in their order; ``slots`` gives the signal of (component, variable)."""
+    rows = np.zeros(len(effects), EFFECT)
+    for row, effect in zip(rows, effects, strict=True):
+        fault = effect.fault
+        row["kind"], row["slot"] = effect.kind, slots[effect.component, effect.variable]
+        row["first"], row["end"] = window(fault, clock)
+        row["amount"], row["start"], row["lane"] = effect.amount, fault.start, effect.lane
+        row["divisor"], row["drawn"] = 1, -1
+        if effect.kind == NOISE:
+            row["seed"], row["stream"] = seed, STREAM_BASE + fault_stream(fault)
+            row["multiplier"], row["divisor"] = _draws(fault, clock)
+    return rows
+
+
+def window(fault: Fault, clock: Clock) -> tuple[int, int]:
+    """Communication points at which a fault acts: first <= k < end."""
+    first, end = clock.index(fault.start), clock.index(fault.start + fault.duration)
+    if end <= first:
+        raise fault.error(
+            f"no communication point lies between its start {fault.start:.9g} s and its end "
+            f"{fault.start + fault.duration:.9g} s at the step {clock.step:.9g} s",
+            "duration",
+        )
+    return first, min(end, FOREVER)
+
+
+def fault_stream(fault: Fault) -> int:
+    """The noise stream of a fault: its own parameter, or a number made from its id."""
+    return fault.parameters.get("stream", zlib.crc32(fault.id.encode()) & 0x7FFFFFFF)
+
+
+def _draws(fault: Fault, clock: Clock) -> tuple[int, int]:
+    """Integers m, d with floor(t_k / period) = k * m // d."""
+    ratio: Fraction = clock.ratio / exact(fault.parameters["period"])
+    if ratio.numerator * clock.steps >= 2**62 or ratio.denominator >= 2**62:
+        raise fault.error(f"'period' {fault.parameters['period']!r} s and the step have no common ratio", "period")
+    return ratio.numerator, ratio.denominator
