@@ -9,13 +9,13 @@ What happens at the communication points t_k (``Clock.time``):
 * t = 0: start values are set; all outputs are read once (start values, for cycles); then, in order, each component gets
   its inputs, leaves initialisation, and its outputs are read, with the faults active at t = 0.
 * **Jacobi**: all components get their inputs as of t_k, then all make the step to t_{k+1}.
-* **Gauss-Seidel**: one after the other, in ``order``, each gets its inputs and makes the step. From a component that has
-  already made it (every connection, except those that were cut), a discrete input (bundle, Integer, Boolean) is the
+* **Gauss-Seidel**: one after the other, in ``order``, each gets its inputs and makes the step. From a component that
+  has already made it (every connection, except those that were cut), a discrete input (bundle, Integer, Boolean) is the
   newest value, that of t_{k+1}: its time of validity tells the receiver from when it holds. A *smooth* input
   (continuous Real, from a continuous output, at an FMU that can interpolate) starts at the value of t_k with the slope
   (u(t_{k+1}) - u(t_k)) / h. At an FMU that cannot interpolate it is u(t_{k+1}) over the whole step, which is exact for
   components that sample at the end of a step. Over a cut connection everything is held at t_k, as in Jacobi.
-* **Faults** change a value as it leaves at t_k, first <= k < end. Over the step that follows t_k the fault of t_k stays in
+* **Faults** change a value as it leaves at t_k, first <= k < end. Over the step after t_k the fault of t_k stays in
   force: the slope of a smooth input is taken from the true value at t_{k+1} with the fault active at t_k still acting
   on it (bias kept, drift continued, noise held), so that a fault begins and ends at a communication point as a step and
   not as a ramp that leads up to it. Driven signals are held from t_k to t_{k+1}.
@@ -25,10 +25,10 @@ What happens at the communication points t_k (``Clock.time``):
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,6 +37,10 @@ from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.effect import EFFECT, Effect, effects_of, table
 from navfmu.faults.fault import Fault, is_number
+
+if TYPE_CHECKING:
+    from navfmu import fmu
+    from navfmu.fmu import Fmu
 
 TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
@@ -60,6 +64,12 @@ class Variable:
     min: float | None = None
     max: float | None = None
 
+    @classmethod
+    def of(cls, described: fmu.Variable) -> Variable:
+        """The variable of a model description."""
+        values = {field.name: getattr(described, field.name) for field in fields(cls)}
+        return cls(**values | {"type": "Integer" if described.type == "Enumeration" else described.type})
+
 
 @dataclass(frozen=True)
 class Component:
@@ -75,7 +85,23 @@ class Component:
     interpolates: bool = False  # canInterpolateInputs
     restores: bool = False  # canGetAndSetFMUstate
     single: bool = False  # canBeInstantiatedOnlyOncePerProcess
-    log_categories: Sequence[str] = ()
+
+    @classmethod
+    def of_fmu(cls, name: str, fmu: Fmu, start: Mapping[str, Any] | None = None) -> Component:
+        """The instance ``name`` of a loaded FMU."""
+        about = fmu.description
+        return cls(
+            name=name,
+            directory=fmu.folder,
+            library=fmu.library,
+            identifier=about.model_identifier,
+            guid=about.guid,
+            variables={v.name: Variable.of(v) for v in about.variables},
+            start=dict(start or {}),
+            interpolates=about.can_interpolate_inputs,
+            restores=about.can_get_and_set_state,
+            single=about.only_one_instance,
+        )
 
     def elements(self, name: str) -> list[Variable]:
         """The variable of this name, or the elements of the array of this name (``x`` -> ``x[1]``, ``x[2]`` ...)."""
@@ -83,7 +109,7 @@ class Component:
             return [self.variables[name]]
         return [v for v in self.variables.values() if v.name.startswith(name + "[")]
 
-    def of(self, causality: str) -> list[Variable]:
+    def with_causality(self, causality: str) -> list[Variable]:
         """The variables of one causality."""
         return [v for v in self.variables.values() if v.causality == causality]
 
@@ -248,9 +274,7 @@ def make_plan(
         count = sum(e.component == component.name and not e.driven for e in ordered)
         references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
         first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
-        parts.append(
-            Part(component, _settings(component), *groups, first_signal, references, first_effect, count)  # fmt: skip
-        )
+        parts.append(Part(component, _settings(component), *groups, first_signal, references, first_effect, count))
         first_effect += count
     return Plan(
         parts=tuple(parts),
@@ -389,9 +413,7 @@ def _settings(component: Component) -> dict[str, Settings]:
             raise NavfmuError(f"start value: component '{component.name}' has no variable '{name}'{hint}")
         values = value if isinstance(value, list | tuple | np.ndarray) else [value] * len(variables)
         if len(values) != len(variables):
-            raise NavfmuError(
-                f"'{component.name}.{name}' has {len(variables)} elements, but {len(values)} start values"
-            )
+            raise NavfmuError(f"'{component.name}.{name}' has {len(variables)} elements but {len(values)} start values")
         chosen |= {v.name: _start(component, v, a) for v, a in zip(variables, values, strict=True)}
     settings = {}
     for kind in (*TYPES, "String"):
@@ -450,7 +472,9 @@ def _undisturbed(component: Component, name: str) -> float:
 def _columns(record: Sequence[str] | None, by_name: Mapping[str, Component]) -> list[tuple[_End, bool]]:
     """The variables to record, each with whether its true value is wanted."""
     if record is None:
-        return [(_End(c.name, v), False) for c in by_name.values() for v in c.of("output") if v.type in TYPES]
+        return [
+            (_End(c.name, v), False) for c in by_name.values() for v in c.with_causality("output") if v.type in TYPES
+        ]
     columns: dict[tuple[tuple[str, str], bool], _End] = {}
     for name in [record] if isinstance(record, str) else record:
         signal, _, suffix = name.partition("@")
@@ -470,8 +494,8 @@ def _matching(name: str, by_name: Mapping[str, Component]) -> list[_End]:
         found = [
             _End(c.name, v)
             for c in by_name.values()
-            for v in c.of("output")
-            if v.type in TYPES and fnmatchcase(f"{c.name}.{v.name}", name)
+            for v in c.with_causality("output")
+            if v.type in TYPES and fnmatchcase(f"{c.name}.{v.name}", name.replace("[", "[[]"))
         ]
         if not found:
             raise NavfmuError(f"{where}: no output matches the pattern")

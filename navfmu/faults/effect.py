@@ -56,7 +56,7 @@ EFFECT = np.dtype(
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect on ``component.variable``; ``driven`` when the variable is set by the engine and not read from the FMU."""
+    """An effect on ``component.variable``; ``driven`` when the engine sets the variable instead of reading it."""
 
     fault: Fault
     component: str
@@ -128,10 +128,10 @@ def _dropout(fault: Fault, component: Component, bundle: str) -> list[Effect]:
 def _targets(fault: Fault, component: Component, connected: Collection[tuple[str, str]]) -> list[Variable]:
     """Variables of a component that this type of fault may act on."""
     if fault.type == "input":
-        return [v for v in component.of("input") if (component.name, v.name) not in connected]
+        return [v for v in component.with_causality("input") if (component.name, v.name) not in connected]
     if fault.type == "parameter":
-        return [v for v in component.of("parameter") if v.variability == "tunable"]
-    return [v for v in component.of("output") if fault.type == "stuck" or v.type == "Real"]
+        return [v for v in component.with_causality("parameter") if v.variability == "tunable"]
+    return [v for v in component.with_causality("output") if fault.type == "stuck" or v.type == "Real"]
 
 
 def _check_target(
