@@ -1,8 +1,8 @@
 """Attitude: Euler angles, direction cosine matrices and quaternions.
 
-``C_nb`` takes components in b (forward, right, down) to components in n (north, east, down). Euler angles are heading,
-pitch, roll in this order of rotation (thesis section 4.2), in rad. Quaternions are (q0, q1, q2, q3), scalar first, of the
-same rotation; thesis (A.6)-(A.8).
+``C_nb`` takes components in b (forward, right, down) to components in n (north, east, down). Euler angles are
+heading, pitch, roll in this order of rotation (thesis section 4.2), in rad. Quaternions are (q0, q1, q2, q3), scalar
+first, of the same rotation; thesis (A.6)-(A.8).
 """
 
 from __future__ import annotations
@@ -12,9 +12,7 @@ import numpy as np
 
 def dcm(roll, pitch, heading):
     """C_nb from Euler angles, thesis (4.2), (5.48)."""
-    return dcm_from_sines(
-        np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch), np.sin(heading), np.cos(heading)
-    )
+    return dcm_from_sines(np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch), np.sin(heading), np.cos(heading))
 
 
 def dcm_from_sines(sin_roll, cos_roll, sin_pitch, cos_pitch, sin_heading, cos_heading):
@@ -76,9 +74,7 @@ def euler_rates(rate_nb, roll, pitch):
     """Rates of roll, pitch and heading, rad/s, from the rate of b with respect to n in b: thesis (4.4)."""
     p, q, r = rate_nb[0], rate_nb[1], rate_nb[2]
     turning = q * np.sin(roll) + r * np.cos(roll)
-    return np.array(
-        [p + turning * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), turning / np.cos(pitch)]
-    )
+    return np.array([p + turning * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), turning / np.cos(pitch)])
 
 
 def body_rate(roll_rate, pitch_rate, heading_rate, sin_roll, cos_roll, sin_pitch, cos_pitch):

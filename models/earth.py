@@ -59,7 +59,7 @@ def transport_rate(latitude, altitude, velocity_n):
 
 
 def position_rate(latitude, altitude, velocity_n):
-    """Rates of latitude (rad/s), longitude (rad/s) and altitude (m/s) from the velocity in n, m/s: thesis (A.2), (A.3)."""
+    """Rates of latitude (rad/s), longitude (rad/s), altitude (m/s) from the velocity in n, m/s: thesis (A.2), (A.3)."""
     north_south, east_west = radii(latitude)
     return (
         velocity_n[0] / (north_south + altitude),

@@ -1,0 +1,16 @@
+"""Inertial sensors, thesis section 3.2, p. 36: one error model for gyros and accelerometers."""
+
+from __future__ import annotations
+
+
+def sense(true, scale_factor, null_shift, drift, noise):
+    """Output s_m = (1 + s_f) s_t + b_0 + b_1(t) + b_w(t), thesis (3.2), (3.3).
+
+    b_0 is the null shift (constant after turn-on), b_1 the drift (Gauss-Markov, (3.4), (3.5)), b_w wide-band noise.
+    """
+    return (1.0 + scale_factor) * true + null_shift + drift + noise
+
+
+def angle_random_walk(noise_sigma, sample_frequency):
+    """Growth of the angle from integrated rate noise, rad/sqrt(s): sigma_w / sqrt(f_s), thesis (B.10), p. 258."""
+    return noise_sigma / sample_frequency**0.5
