@@ -1,0 +1,196 @@
+"""Lowering: a component class is traced, task by task, into the :class:`navfmu.export.ir.Model`."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import sys
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from navfmu.errors import NavfmuError
+from navfmu.export import ir, trace
+from navfmu.export.declaration import Component, Field, Frame, Layout, Table, TaskDeclaration
+
+
+class TraceFrame(Frame):
+    """Symbols for everything a task can read."""
+
+    def __init__(self, layout: Layout) -> None:
+        booleans = tuple(v.index for v in layout.variables if v.type == "Boolean")
+        self.v, self.symbols = trace.symbols("v", len(layout.variables), booleans)
+        self.clock, clock = trace.symbols("clock", 2)
+        super().__init__(layout, clock[0], clock[1])
+        self.tables, rows = {}, []
+        for table in layout.tables:
+            column, both = trace.symbols(table.name, 2 * len(table.columns))
+            rows.append(column)
+            both.setflags(write=False)
+            self.tables[table.name] = (both[: len(table.columns)], both[len(table.columns) :])
+        self.row_symbols = ca.vertcat(*rows) if rows else ca.SX.sym("rows", 0)
+        self.noise_symbols: list[ca.SX] = []
+
+    def load(self, field: Field) -> Any:
+        array = self.symbols[field.index : field.index + field.size].reshape(field.shape)
+        array.setflags(write=False)
+        return array
+
+    def convert(self, field: Field, value: Any) -> Any:
+        array = np.array(value)
+        if not isinstance(array, trace.Traced):
+            array = array.astype(object).view(trace.Traced)
+        if field.kind == "boolean":
+            array = array.astype(bool)
+        array.setflags(write=False)
+        return array
+
+    def rows(self, table: Table) -> tuple[Any, Any]:
+        return self.tables[table.name]
+
+    def where(self) -> str:
+        return trace.location()
+
+    def noise(self, count: int) -> Any:
+        """Return ``count`` fresh standard normal numbers."""
+        column, normals = trace.symbols(f"noise{len(self.noise_symbols)}", int(count))
+        self.noise_symbols.append(column)
+        return normals
+
+    def changes(self) -> tuple[tuple[int, ...], list[ca.SX]]:
+        """Return the indices of the variables that the task changes, and their new values."""
+        targets, values = [], []
+        for name in sorted(self.assigned, key=lambda n: self.layout.fields[n].index):
+            field = self.layout.fields[name]
+            for i, value in enumerate(trace.expressions(self.current[name])):
+                if not ca.is_equal(value, self.v[field.index + i]):
+                    targets.append(field.index + i)
+                    values.append(value)
+        return tuple(targets), values
+
+    def function(self, name: str, values: list[ca.SX]) -> ca.Function:
+        """Return the CasADi function of everything readable that gives ``values`` as a column."""
+        noise = ca.vertcat(*self.noise_symbols) if self.noise_symbols else ca.SX.sym("noise", 0)
+        result = ca.cse(ca.densify(ca.vertcat(*values))) if values else ca.SX(0, 1)
+        inputs = [self.v, noise, self.clock, self.row_symbols]
+        return ca.Function(name, inputs, [result], ["v", "noise", "clock", "rows"], ["r"])
+
+
+def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: Any) -> Any:
+    """Call a method of the component; any failure becomes a sentence with the model's file and line."""
+    try:
+        return function(*arguments)
+    except NavfmuError:
+        raise
+    except Exception as error:
+        lines = traceback.extract_tb(sys.exc_info()[2])
+        line = next((f for f in reversed(lines) if not trace.is_foreign(f.filename)), None)
+        where = f"{line.filename}, line {line.lineno}" if line else place
+        raise NavfmuError(
+            f"{where}: component {layout.component.__name__}, {what}: {type(error).__name__}: {error}; "
+            "the code must be plain NumPy on arrays of fixed shape, without indexing by values"
+        ) from error
+
+
+def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
+    frame = TraceFrame(layout)
+    component = layout.component(frame)
+    arguments = (frame.noise,) if task.uses_noise else ()
+    _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
+    targets, values = frame.changes()
+    index = {name: field.index for name, field in layout.fields.items()}
+    on_new = task.kind == "on_new"
+    period = {"start": None, "every": task.argument, "on_new": layout.tick}[task.kind]
+    return ir.Task(
+        name=task.name,
+        kind=task.kind,
+        function=frame.function(f"{layout.name}_{task.name}", values),
+        targets=targets,
+        normals=sum(s.numel() for s in frame.noise_symbols),
+        stream=task.stream,
+        period=None if period is None else index[period],
+        sequence=index[f"{task.argument}.sequence"] if on_new else None,
+        time_of_validity=index[f"{task.argument}.time_of_validity"] if on_new else None,
+        lost=index[f"{task.argument}.lost"] if on_new else None,
+    )
+
+
+def _checks(layout: Layout) -> list[ir.Check]:
+    checks = []
+    for number, requirement in enumerate(layout.requirements):
+        frame = TraceFrame(layout)
+        component = layout.component(frame)
+        holds = _run(layout, f"requirement {number + 1}", requirement.place, requirement.function, component)
+        wrong = [n for n in frame.current if layout.fields[n].causality != "parameter"]
+        if wrong:
+            layout.fail(f"a requirement is over parameters, '{wrong[0]}' is none", requirement.place)
+        if np.shape(holds) != ():
+            layout.fail("a requirement must be one truth value; use np.all", requirement.place)
+        names = tuple((name, layout.index(name)) for name in requirement.names)
+        result = ca.vertcat(*trace.expressions(holds))
+        function = ca.Function(f"{layout.name}_check{number + 1}", [frame.v], [result], ["v"], ["holds"])
+        checks.append(ir.Check(function, requirement.message, names))
+    return checks
+
+
+def _documentation(layout: Layout) -> dict[str, Any]:
+    def source(function: Callable) -> str:
+        try:
+            return inspect.cleandoc("\n" + inspect.getsource(function))
+        except OSError:
+            return ""
+
+    tasks = [
+        {
+            "name": t.name,
+            "kind": t.kind,
+            "argument": t.argument,
+            "text": inspect.cleandoc(t.function.__doc__ or ""),
+            "source": source(t.function),
+        }
+        for t in layout.tasks
+    ]
+    requirements = [{"message": r.message, "source": source(r.function)} for r in layout.requirements]
+    return {
+        "text": layout.text,
+        "class": layout.component.__name__,
+        "module": layout.component.__module__,
+        "tasks": tasks,
+        "requirements": requirements,
+        "bundles": {name: bundle.description for name, bundle in layout.bundles.items()},
+    }
+
+
+def lower(component: type[Component]) -> ir.Model:
+    """Trace a component class into the model that the code generator reads."""
+    layout = component.layout
+    with trace.tracing():
+        tasks = tuple(_task(layout, task) for task in layout.tasks)
+        checks = tuple(_checks(layout))
+    calculated = {i for task in tasks if task.kind == "start" for i in task.targets}
+    variables = tuple(
+        dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables
+    )
+    tables = tuple(
+        ir.Table(
+            name=table.name,
+            columns=tuple(name for name, _ in table.columns),
+            units=tuple(unit for _, unit in table.columns),
+            rows=tuple(tuple(row) for row in table.rows.tolist()),
+        )
+        for table in layout.tables
+    )
+    return ir.Model(
+        name=layout.name,
+        description=layout.description,
+        variables=variables,
+        tasks=tasks,
+        checks=checks,
+        tables=tables,
+        seed=layout.fields["seed"].index if layout.uses_noise else None,
+        stream=layout.fields["stream"].index if layout.uses_noise else None,
+        documentation=_documentation(layout),
+    )

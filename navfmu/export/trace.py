@@ -1,0 +1,816 @@
+"""Tracing: plain NumPy code, run once on symbolic numbers, becomes a CasADi expression.
+
+:class:`Traced` is an ``ndarray`` of dtype object whose elements are Python numbers (constants) or :class:`Scalar`
+(a ``casadi.SX`` of one element). It answers NumPy's own protocols, ``__array_ufunc__`` and ``__array_function__``, so
+a model that knows nothing of CasADi traces as it stands. Constants are folded here and CasADi's rewriting is off, so
+that a traced function does the operations of the NumPy code in the order of the NumPy code.
+
+What cannot be traced (a value-dependent ``if``, ``float()``, ``math.sin``, a traced value stored in a float array)
+raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing becomes a silent NaN.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import casadi as ca
+import numpy as np
+
+from navfmu.errors import NavfmuError
+
+_HERE = os.path.dirname(os.path.abspath(__file__))
+_SKIPPED = (_HERE, os.path.dirname(os.path.abspath(np.__file__)), "<__array_function__")
+_LARGEST = float(np.finfo(float).max)
+
+
+def is_foreign(filename: str) -> bool:
+    """Whether a frame of this file belongs to the exporter or to NumPy, and not to the model."""
+    return filename.startswith(_SKIPPED)
+
+
+def location() -> str:
+    """Return ``"file, line n"`` of the model's code that is running."""
+    frame = sys._getframe(1)
+    while frame is not None and is_foreign(frame.f_code.co_filename):
+        frame = frame.f_back
+    return f"{frame.f_code.co_filename}, line {frame.f_lineno}" if frame else "unknown place"
+
+
+def refuse(what: str, remedy: str) -> NoReturn:
+    """Raise the error for a construct that has no traced form."""
+    raise NavfmuError(f"{location()}: {what}; {remedy}")
+
+
+class Scalar:
+    """One traced number, and whether it is a truth value."""
+
+    __slots__ = ("boolean", "sx")
+    __array_priority__ = 1000.0
+    shape, ndim, size = (), 0, 1
+
+    def __init__(self, sx: ca.SX, boolean: bool = False) -> None:
+        self.sx = sx
+        self.boolean = boolean
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        return _ufunc(ufunc, method, inputs, kwargs)
+
+    def __array_function__(self, function: Callable, types: Any, args: tuple, kwargs: dict) -> Any:
+        return _function(function, args, kwargs)
+
+    def __bool__(self) -> bool:
+        refuse(
+            "the truth of a traced value is not known while tracing (if, while, and, or, not, min, max)",
+            "choose with np.where, np.logical_and, np.logical_or, np.logical_not, np.minimum or np.maximum",
+        )
+
+    def __float__(self) -> float:
+        refuse(
+            "a traced value has no float value (float(), math.*, or storing it in a float array)",
+            "use NumPy functions instead of float() and math.*, and build arrays with np.array([...]), np.stack, "
+            "np.concatenate or np.where instead of filling them",
+        )
+
+    def __int__(self) -> int:
+        refuse("a traced value has no int value", "use np.floor or np.rint, or compare it with np.where")
+
+    def __index__(self) -> int:
+        refuse("a traced value cannot be an index or a count", "select with np.where, or index with constants")
+
+    def __hash__(self) -> int:
+        refuse("a traced value cannot be a key of a dict or set", "select with np.where")
+
+    def __complex__(self) -> complex:
+        refuse("complex numbers are not traced", "write real and imaginary part as two real numbers")
+
+    def __round__(self, digits: int = 0) -> Any:
+        return _rint(self) if not digits else self.__int__()
+
+    def __repr__(self) -> str:
+        return f"Scalar({self.sx})"
+
+
+def _binary(rule: Callable, reflected: bool = False) -> Callable:
+    def method(self: Scalar, other: Any) -> Any:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if isinstance(other, np.generic):
+            other = other.item()
+        if not isinstance(other, Scalar | bool | int | float):
+            return NotImplemented
+        return rule(other, self) if reflected else rule(self, other)
+
+    return method
+
+
+# --- rules: elements (numbers or Scalars, at least one Scalar) to element -------------------------------------------
+
+
+def _sx(x: Any) -> Any:
+    return x.sx if type(x) is Scalar else float(x)
+
+
+def _constant(x: Any, value: float) -> bool:
+    return type(x) is not Scalar and x == value
+
+
+def is_boolean(x: Any) -> bool:
+    """Whether an element is a truth value."""
+    return x.boolean if type(x) is Scalar else isinstance(x, bool)
+
+
+def _add(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        if type(b) is not Scalar:
+            return a + b
+        if a == 0 and not b.boolean:
+            return b
+    elif _constant(b, 0) and not a.boolean:
+        return a
+    return Scalar(_sx(a) + _sx(b))
+
+
+def _subtract(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        if type(b) is not Scalar:
+            return a - b
+        if a == 0:
+            return _negative(b)
+    elif _constant(b, 0) and not a.boolean:
+        return a
+    return Scalar(_sx(a) - _sx(b))
+
+
+def _multiply(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        if type(b) is not Scalar:
+            return a * b
+        a, b = b, a
+    if type(b) is not Scalar:
+        if b == 0:
+            return False if a.boolean and isinstance(b, bool) else 0.0
+        if b == 1 and (not a.boolean or isinstance(b, bool)):
+            return a
+        if b == -1:
+            return _negative(a)
+    return Scalar(_sx(a) * _sx(b), is_boolean(a) and is_boolean(b))
+
+
+def _divide(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar and type(b) is not Scalar:
+        return _fold(np.true_divide, a, b)
+    if _constant(a, 0):
+        return 0.0
+    if _constant(b, 1) and not a.boolean:
+        return a
+    return Scalar(_sx(a) / _sx(b))
+
+
+def _negative(a: Any) -> Any:
+    return Scalar(-a.sx) if type(a) is Scalar else -a
+
+
+def _power(a: Any, b: Any) -> Any:
+    if type(b) is not Scalar:
+        known = {0: lambda: 1.0, 1: lambda: _add(a, 0.0), 2: lambda: _multiply(a, a)}
+        known |= {0.5: lambda: Scalar(ca.sqrt(_sx(a))), -1: lambda: _divide(1.0, a)}
+        if b in known:
+            return known[b]()
+    return Scalar(ca.power(_sx(a), _sx(b)))
+
+
+def _fmod(a: Any, b: Any) -> Scalar:
+    return Scalar(ca.fmod(_sx(a), _sx(b)))
+
+
+def _mod(a: Any, b: Any) -> Any:
+    """Remainder with the sign of the divisor, as ``np.mod`` and Python's ``%``."""
+    m = _fmod(a, b)
+    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
+    return _where(_and(_not_equal(m, 0.0), other_sign), _add(m, b), m)
+
+
+def _floor_divide(a: Any, b: Any) -> Any:
+    m = _fmod(a, b)
+    quotient = _divide(_subtract(a, m), b)
+    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
+    quotient = _where(_and(_not_equal(m, 0.0), other_sign), _subtract(quotient, 1.0), quotient)
+    low = Scalar(ca.floor(_sx(quotient)))
+    return _where(_less(0.5, _subtract(quotient, low)), _add(low, 1.0), low)
+
+
+def _rint(a: Any) -> Any:
+    low = Scalar(ca.floor(a.sx))
+    part = _subtract(a, low)
+    even = _equal(_fmod(low, 2.0), 0.0)
+    down = _or(_less(part, 0.5), _and(_equal(part, 0.5), even))
+    return _where(down, low, _add(low, 1.0))
+
+
+def _less(a: Any, b: Any) -> Scalar:
+    return Scalar(ca.lt(_sx(a), _sx(b)), True)
+
+
+def _less_equal(a: Any, b: Any) -> Scalar:
+    return Scalar(ca.le(_sx(a), _sx(b)), True)
+
+
+def _equal(a: Any, b: Any) -> Scalar:
+    return Scalar(ca.eq(_sx(a), _sx(b)), True)
+
+
+def _not_equal(a: Any, b: Any) -> Scalar:
+    return Scalar(ca.ne(_sx(a), _sx(b)), True)
+
+
+def _compare(ufunc: np.ufunc, rule: Callable, a: Any, b: Any) -> Any:
+    return rule(a, b) if Scalar in (type(a), type(b)) else _fold(ufunc, a, b)
+
+
+def _and(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        a, b = b, a
+    if type(b) is not Scalar:
+        return _truth(a) if b else False
+    return Scalar(ca.logic_and(a.sx, b.sx), True)
+
+
+def _or(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        a, b = b, a
+    if type(b) is not Scalar:
+        return True if b else _truth(a)
+    return Scalar(ca.logic_or(a.sx, b.sx), True)
+
+
+def _not(a: Any) -> Any:
+    return Scalar(ca.logic_not(a.sx), True) if type(a) is Scalar else not a
+
+
+def _truth(a: Any) -> Any:
+    if type(a) is not Scalar:
+        return bool(a)
+    return a if a.boolean else _not_equal(a, 0.0)
+
+
+def _xor(a: Any, b: Any) -> Any:
+    return _not_equal(_truth(a), _truth(b))
+
+
+def _where(c: Any, a: Any, b: Any) -> Any:
+    if type(c) is not Scalar:
+        return a if c else b
+    both = is_boolean(a) and is_boolean(b)
+    if a is b or (type(a) is not Scalar and type(b) is not Scalar and a == b):
+        return a
+    if both and a is True and b is False:
+        return _truth(c)
+    return Scalar(ca.if_else(c.sx, _sx(a), _sx(b)), both)
+
+
+def _maximum(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        a, b = b, a
+    take = _less(a, b) if type(b) is not Scalar else _or(_less(a, b), _not_equal(b, b))
+    return _where(take, b, a)
+
+
+def _minimum(a: Any, b: Any) -> Any:
+    if type(a) is not Scalar:
+        a, b = b, a
+    take = _less(b, a) if type(b) is not Scalar else _or(_less(b, a), _not_equal(b, b))
+    return _where(take, b, a)
+
+
+def _clip(x: Any, low: Any, high: Any) -> Any:
+    x = _maximum(x, low) if Scalar in (type(x), type(low)) else max(x, low)
+    return _minimum(x, high) if Scalar in (type(x), type(high)) else min(x, high)
+
+
+def _logical(rule: Callable, name: str) -> Callable:
+    def checked(*elements: Any) -> Any:
+        if not all(is_boolean(e) for e in elements):
+            refuse(f"{name} is traced for truth values only", "compare first, or use np.logical_and, np.logical_or")
+        return rule(*elements)
+
+    return checked
+
+
+def _plain(function: Callable) -> Callable:
+    return lambda *elements: Scalar(function(*[_sx(e) for e in elements]))
+
+
+def _swapped(rule: Callable) -> Callable:
+    return lambda a, b: rule(b, a)
+
+
+RULES: dict[np.ufunc, Callable] = {
+    np.add: _add,
+    np.subtract: _subtract,
+    np.multiply: _multiply,
+    np.true_divide: _divide,
+    np.negative: _negative,
+    np.positive: lambda a: a,
+    np.power: _power,
+    np.float_power: _power,
+    np.square: lambda a: _multiply(a, a),
+    np.reciprocal: lambda a: _divide(1.0, a),
+    np.fmod: _fmod,
+    np.remainder: _mod,
+    np.floor_divide: _floor_divide,
+    np.absolute: _plain(ca.fabs),
+    np.fabs: _plain(ca.fabs),
+    np.sign: _plain(ca.sign),
+    np.copysign: _plain(ca.copysign),
+    np.floor: _plain(ca.floor),
+    np.ceil: _plain(ca.ceil),
+    np.trunc: lambda a: _where(_less(a, 0.0), Scalar(ca.ceil(a.sx)), Scalar(ca.floor(a.sx))),
+    np.rint: _rint,
+    np.sqrt: _plain(ca.sqrt),
+    np.exp: _plain(ca.exp),
+    np.expm1: _plain(ca.expm1),
+    np.exp2: lambda a: Scalar(ca.power(2.0, a.sx)),
+    np.log: _plain(ca.log),
+    np.log1p: _plain(ca.log1p),
+    np.log2: lambda a: Scalar(ca.log(a.sx) / float(np.log(2.0))),
+    np.log10: _plain(ca.log10),
+    np.sin: _plain(ca.sin),
+    np.cos: _plain(ca.cos),
+    np.tan: _plain(ca.tan),
+    np.arcsin: _plain(ca.asin),
+    np.arccos: _plain(ca.acos),
+    np.arctan: _plain(ca.atan),
+    np.arctan2: _plain(ca.atan2),
+    np.sinh: _plain(ca.sinh),
+    np.cosh: _plain(ca.cosh),
+    np.tanh: _plain(ca.tanh),
+    np.arcsinh: _plain(ca.asinh),
+    np.arccosh: _plain(ca.acosh),
+    np.arctanh: _plain(ca.atanh),
+    np.hypot: _plain(ca.hypot),
+    np.deg2rad: lambda a: _multiply(a, np.pi / 180.0),
+    np.radians: lambda a: _multiply(a, np.pi / 180.0),
+    np.rad2deg: lambda a: _multiply(a, 180.0 / np.pi),
+    np.degrees: lambda a: _multiply(a, 180.0 / np.pi),
+    np.maximum: _maximum,
+    np.minimum: _minimum,
+    np.fmax: _plain(ca.fmax),
+    np.fmin: _plain(ca.fmin),
+    np._core.umath.clip: _clip,
+    np.less: _less,
+    np.less_equal: _less_equal,
+    np.greater: _swapped(_less),
+    np.greater_equal: _swapped(_less_equal),
+    np.equal: _equal,
+    np.not_equal: _not_equal,
+    np.logical_and: _and,
+    np.logical_or: _or,
+    np.logical_not: _not,
+    np.logical_xor: _xor,
+    np.bitwise_and: _logical(_and, "&"),
+    np.bitwise_or: _logical(_or, "|"),
+    np.bitwise_xor: _logical(_xor, "^"),
+    np.invert: _logical(_not, "~"),
+    np.isfinite: lambda a: Scalar(ca.le(ca.fabs(a.sx), _LARGEST), True),
+    np.isinf: lambda a: Scalar(ca.lt(_LARGEST, ca.fabs(a.sx)), True),
+    np.isnan: lambda a: Scalar(ca.ne(a.sx, a.sx), True),
+}
+
+for _name, _rule in {
+    "add": _add,
+    "sub": _subtract,
+    "mul": _multiply,
+    "truediv": _divide,
+    "pow": _power,
+    "mod": _mod,
+    "floordiv": _floor_divide,
+    "and": RULES[np.bitwise_and],
+    "or": RULES[np.bitwise_or],
+    "xor": RULES[np.bitwise_xor],
+}.items():
+    setattr(Scalar, f"__{_name}__", _binary(_rule))
+    setattr(Scalar, f"__r{_name}__", _binary(_rule, reflected=True))
+for _name, _ufunc_ in {
+    "lt": np.less,
+    "le": np.less_equal,
+    "gt": np.greater,
+    "ge": np.greater_equal,
+    "eq": np.equal,
+    "ne": np.not_equal,
+}.items():
+    setattr(Scalar, f"__{_name}__", _binary(RULES[_ufunc_]))
+Scalar.__neg__ = _negative
+Scalar.__pos__ = lambda self: self
+Scalar.__abs__ = RULES[np.absolute]
+Scalar.__invert__ = RULES[np.invert]
+
+
+def _fold(ufunc: np.ufunc, *constants: Any) -> Any:
+    with np.errstate(all="ignore"):
+        return ufunc(*constants).item()
+
+
+# --- arrays ----------------------------------------------------------------------------------------------------------
+
+
+def _unwrap(element: Any) -> Any:
+    if isinstance(element, np.generic):
+        return element.item()
+    if isinstance(element, np.ndarray) and element.ndim == 0:
+        return _unwrap(element.item())
+    return element
+
+
+def _object(x: Any) -> np.ndarray:
+    """Return ``x`` as a base-class object array of Python numbers and Scalars."""
+    if isinstance(x, np.ndarray):
+        if x.dtype != object:
+            return x.astype(object).view(np.ndarray)
+        array = x.view(np.ndarray)
+    else:
+        array = _ARRAY(x, dtype=object)
+    if any(isinstance(e, np.generic | np.ndarray) for e in array.ravel().tolist()):
+        return _build(array.shape, [_unwrap(e) for e in array.ravel().tolist()]).view(np.ndarray)
+    return array
+
+
+def _build(shape: tuple[int, ...], elements: list) -> Traced:
+    result = np.empty(len(elements), object)
+    for i, element in enumerate(elements):
+        result[i] = element
+    return result.reshape(shape).view(Traced)
+
+
+def _wrap(x: Any) -> Any:
+    if isinstance(x, Scalar):
+        return _build((), [x])
+    if isinstance(x, np.ndarray):
+        return _object(x).view(Traced) if x.dtype == object else x
+    if isinstance(x, tuple | list):
+        return type(x)(_wrap(e) for e in x)
+    return x
+
+
+def contains_traced(x: Any) -> bool:
+    """Whether nested lists, tuples or arrays hold a traced value."""
+    if isinstance(x, Traced | Scalar):
+        return True
+    if isinstance(x, np.ndarray):
+        return x.dtype == object and any(isinstance(e, Scalar) for e in x.ravel().tolist())
+    return isinstance(x, list | tuple) and any(contains_traced(e) for e in x)
+
+
+def _apply(ufunc: np.ufunc, elements: tuple) -> Any:
+    if any(type(e) is Scalar for e in elements):
+        return RULES[ufunc](*elements)
+    return _fold(ufunc, *elements)
+
+
+def _elementwise(ufunc: np.ufunc, inputs: tuple) -> Traced:
+    arrays = [_object(x) for x in inputs]
+    shape = np.broadcast_shapes(*[a.shape for a in arrays])
+    columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+    if ufunc in (np.add, np.subtract, np.negative) and all(c and all(map(is_boolean, c)) for c in columns):
+        if ufunc is not np.add:
+            refuse("NumPy does not subtract truth values", "use ^ or np.logical_xor, or ~")
+        ufunc = np.logical_or  # what NumPy does for bool + bool
+    return _build(shape, [_apply(ufunc, elements) for elements in zip(*columns, strict=True)])
+
+
+def _fold_list(ufunc: np.ufunc, elements: list) -> Any:
+    result = elements[0]
+    for element in elements[1:]:
+        result = _apply(ufunc, (result, element))
+    return result
+
+
+def _pairwise(elements: list) -> Any:
+    """Sum in the order of NumPy's pairwise summation."""
+    n = len(elements)
+    if n < 8:
+        return _fold_list(np.add, elements)
+    if n <= 128:
+        r, whole = elements[:8], n - n % 8
+        for i in range(8, whole, 8):
+            r = [_add(a, b) for a, b in zip(r, elements[i : i + 8], strict=True)]
+        pairs = [_add(r[i], r[i + 1]) for i in range(0, 8, 2)]
+        return _fold_list(np.add, [_add(_add(pairs[0], pairs[1]), _add(pairs[2], pairs[3])), *elements[whole:]])
+    half = n // 2 - (n // 2) % 8
+    return _add(_pairwise(elements[:half]), _pairwise(elements[half:]))
+
+
+_EMPTY = {np.add: 0.0, np.multiply: 1.0, np.logical_and: True, np.logical_or: False}
+
+
+def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
+    array = _object(array)
+    axis = kwargs.get("axis", 0)
+    axes = tuple(range(array.ndim)) if axis is None else tuple(np.atleast_1d(axis) % max(array.ndim, 1))
+    kept = [i for i in range(array.ndim) if i not in axes]
+    rows = array.transpose(kept + list(axes)).reshape([array.shape[i] for i in kept] + [-1])
+    fast = not kept or (array.ndim - 1) in axes  # NumPy adds pairwise along the fast axis only
+    results = []
+    for row in rows.reshape(-1, rows.shape[-1]).tolist():
+        if ufunc is np.add:
+            row = [e if not is_boolean(e) else _number(e) for e in row]
+        elif ufunc in (np.logical_and, np.logical_or):
+            row = [_truth(e) for e in row]
+        if not row:
+            results.append(_EMPTY[ufunc])
+        else:
+            results.append(_pairwise(row) if ufunc is np.add and fast else _fold_list(ufunc, row))
+    shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
+    shape = shape if kwargs.get("keepdims") else [array.shape[i] for i in kept]
+    result = _build(tuple(shape), results)
+    initial = kwargs.get("initial", np._NoValue)
+    return result if initial is np._NoValue or initial is None else ufunc(result, initial)
+
+
+def _number(e: Any) -> Any:
+    return Scalar(e.sx) if type(e) is Scalar else float(e)
+
+
+def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
+    array = _object(array)
+    moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
+    rows = []
+    for row in moved.reshape(-1, moved.shape[-1]).tolist():
+        sums = row[:1]
+        for element in row[1:]:
+            sums.append(_apply(ufunc, (sums[-1], element)))
+        rows.extend(sums)
+    return np.moveaxis(_build(moved.shape, rows), -1, kwargs.get("axis", 0))
+
+
+def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
+    out = kwargs.pop("out", None)
+    if kwargs.get("where", True) is not True:
+        refuse(f"np.{ufunc.__name__}(..., where=...) is not traced", "use np.where")
+    if ufunc is not np.matmul and ufunc not in RULES:
+        refuse(f"np.{ufunc.__name__} cannot be traced", "write it with the functions that can (see the tutorial)")
+    if method == "__call__" and ufunc is np.matmul:
+        result = _wrap(np.matmul(*[_object(x) for x in inputs]))
+    elif method == "__call__":
+        result = _elementwise(ufunc, inputs)
+    elif method == "reduce":
+        result = _reduce(ufunc, inputs[0], kwargs)
+    elif method == "accumulate":
+        result = _accumulate(ufunc, inputs[0], kwargs)
+    elif method == "outer":
+        first, second = (_object(x) for x in inputs)
+        result = _elementwise(ufunc, (first.reshape(first.shape + (1,) * second.ndim), second))
+    else:
+        refuse(f"np.{ufunc.__name__}.{method} cannot be traced", "write it as a new array")
+    if out is None or out[0] is None:
+        return result
+    if not isinstance(out[0], Traced):
+        refuse(
+            "a traced value is stored in a float array",
+            "write x = x + y instead of x += y, and build arrays with np.array([...]), np.stack or np.concatenate",
+        )
+    out[0][...] = result
+    return out[0]
+
+
+# --- functions -------------------------------------------------------------------------------------------------------
+
+
+def _np_where(condition: Any, *branches: Any) -> Any:
+    if len(branches) != 2:
+        refuse("np.where with one argument depends on values", "give both branches, np.where(condition, a, b)")
+    arrays = [_object(x) for x in (condition, *branches)]
+    shape = np.broadcast_shapes(*[a.shape for a in arrays])
+    columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+    return _build(shape, [_where(*elements) for elements in zip(*columns, strict=True)])
+
+
+def _np_select(conditions: list, choices: list, default: Any = 0) -> Any:
+    result = default
+    for condition, choice in zip(reversed(conditions), reversed(choices), strict=True):
+        result = np.where(condition, choice, result)
+    return result
+
+
+def _np_clip(a: Any, a_min: Any = None, a_max: Any = None, out: Any = None, **kwargs: Any) -> Any:
+    a_min, a_max = kwargs.get("min", a_min), kwargs.get("max", a_max)
+    if out is not None:
+        refuse("np.clip(..., out=...) is not traced", "assign the result to a name")
+    a = a if a_min is None else np.maximum(a, a_min)
+    return a if a_max is None else np.minimum(a, a_max)
+
+
+def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Any:  # noqa: A002
+    if ord not in (None, 2, "fro") or (ord == 2 and axis is None and np.ndim(x) > 1):
+        refuse(f"np.linalg.norm(..., ord={ord!r}) cannot be traced", "write the norm with np.sum, np.abs or np.maximum")
+    x = np.ravel(x) if axis is None and not keepdims else x
+    return np.sqrt(np.sum(x * x, axis=axis, keepdims=keepdims))
+
+
+def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None) -> Any:
+    if contains_traced(xp):
+        refuse("np.interp needs constant abscissae", "look the row up with a Table")
+    xp, result = np.asarray(xp, float), fp[0] if left is None else left
+    for i in range(len(xp) - 1):
+        slope = (fp[i + 1] - fp[i]) / (xp[i + 1] - xp[i])
+        result = np.where(x >= xp[i], slope * (x - xp[i]) + fp[i], result)
+    result = np.where(x >= xp[-1], fp[-1], result)
+    return result if right is None else np.where(x > xp[-1], right, result)
+
+
+def _np_full_like(a: Any, fill_value: Any, **_: Any) -> Any:
+    return np.broadcast_to(fill_value, np.shape(a)).copy()
+
+
+FUNCTIONS: dict[Callable, Callable] = {
+    np.where: _np_where,
+    np.select: _np_select,
+    np.clip: _np_clip,
+    np.linalg.norm: _np_norm,
+    np.interp: _np_interp,
+    np.zeros_like: lambda a, **_: np.zeros(np.shape(a)),
+    np.ones_like: lambda a, **_: np.ones(np.shape(a)),
+    np.full_like: _np_full_like,
+    np.count_nonzero: lambda a, axis=None: np.sum(a != 0, axis=axis),
+    np.shape: lambda a: _object(a).shape,
+    np.ndim: lambda a: _object(a).ndim,
+    np.size: lambda a, axis=None: _object(a).size if axis is None else _object(a).shape[axis],
+    np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
+}
+
+# NumPy's own implementation of these only moves elements about, or calls ufuncs.
+_STRUCTURAL = """
+concatenate stack vstack hstack dstack column_stack block cross outer dot inner einsum tensordot kron diag diagonal
+diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat roll flip fliplr
+flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
+hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval permute_dims
+linalg.multi_dot linalg.matrix_power linalg.cross linalg.outer linalg.trace linalg.diagonal linalg.matrix_transpose
+linalg.vecdot linalg.matmul linalg.tensordot
+""".split()
+STRUCTURAL: set[Callable] = set()
+for _name in _STRUCTURAL:
+    _owner: Any = np
+    for _part in _name.split("."):
+        _owner = getattr(_owner, _part, None)
+    STRUCTURAL.add(_owner)
+STRUCTURAL.discard(None)
+
+_REMEDIES = {
+    "solve": "process the measurements one at a time, or write the elimination out",
+    "inv": "process the measurements one at a time, or write the inverse out",
+    "cholesky": "write the factorisation out",
+    "argmax": "select with np.where",
+    "argmin": "select with np.where",
+    "sort": "order with np.minimum and np.maximum",
+    "allclose": "compare with <= and np.all",
+    "isclose": "compare with <=",
+    "copyto": "build the array with np.where or np.concatenate",
+}
+
+
+def _function(function: Callable, args: tuple, kwargs: dict) -> Any:
+    if function in FUNCTIONS:
+        return FUNCTIONS[function](*args, **kwargs)
+    if function not in STRUCTURAL:
+        name = f"{function.__module__}.{function.__name__}".replace("numpy", "np", 1)
+        remedy = _REMEDIES.get(function.__name__, "write it with the functions that can (see the tutorial)")
+        refuse(f"{name} cannot be traced", remedy)
+    if kwargs.get("out") is not None:
+        refuse(f"np.{function.__name__}(..., out=...) is not traced", "assign the result to a name")
+    return _wrap(function._implementation(*args, **kwargs))
+
+
+def _refused(name: str, remedy: str) -> Callable:
+    return lambda self, *args, **kwargs: refuse(f".{name}() depends on values and cannot be traced", remedy)
+
+
+class Traced(np.ndarray):
+    """An array of traced numbers; see the module's first lines."""
+
+    __array_priority__ = 1000.0
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        return _ufunc(ufunc, method, inputs, kwargs)
+
+    def __array_function__(self, function: Callable, types: Any, args: tuple, kwargs: dict) -> Any:
+        return _function(function, args, kwargs)
+
+    def __getitem__(self, key: Any) -> Any:
+        if contains_traced(key):
+            refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
+        result = super().__getitem__(key)
+        return result if isinstance(result, Traced) else _build((), [result])
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if not self.flags.writeable:
+            refuse("a variable's array is read-only", "assign a whole new array: self.x = np.array([...])")
+        if contains_traced(key):
+            refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
+        value = _object(value)
+        super().__setitem__(key, value.item() if value.ndim == 0 else value)
+
+    def __iter__(self) -> Iterator[Traced]:
+        return (self[i] for i in range(len(self)))
+
+    def _only(self) -> Any:
+        if self.size != 1:
+            raise TypeError("only arrays of one element can be converted to a Python number")
+        return self.reshape(-1).view(np.ndarray)[0]
+
+    def __bool__(self) -> bool:
+        return bool(self._only())
+
+    def __float__(self) -> float:
+        return float(self._only())
+
+    def __int__(self) -> int:
+        return int(self._only())
+
+    def __index__(self) -> int:
+        return self._only().__index__()
+
+    def __complex__(self) -> complex:
+        return complex(self._only())
+
+    def __round__(self, digits: int = 0) -> Traced:
+        return np.rint(self)
+
+    def __hash__(self) -> int:
+        refuse("a traced value cannot be a key of a dict or set", "select with np.where")
+
+    def astype(self, dtype: Any, *args: Any, **kwargs: Any) -> Traced:
+        """Convert between truth values, whole numbers and real numbers."""
+        kind = np.dtype(dtype).kind
+        elements = self.ravel().tolist()
+        if kind == "b":
+            return _build(self.shape, [_truth(e) for e in elements])
+        if kind == "f" or all(is_boolean(e) for e in elements):
+            return _build(self.shape, [_number(e) if is_boolean(e) else e for e in elements])
+        return np.trunc(self)
+
+    def dot(self, other: Any) -> Traced:
+        """Matrix product."""
+        return np.dot(self, other)
+
+    def round(self, decimals: int = 0) -> Traced:
+        """Nearest whole numbers, halves to even."""
+        if decimals:
+            refuse("rounding to decimals is not traced", "scale, then np.rint")
+        return np.rint(self)
+
+    argmax = _refused("argmax", "select with np.where")
+    argmin = _refused("argmin", "select with np.where")
+    argsort = _refused("argsort", "order with np.minimum and np.maximum")
+    sort = _refused("sort", "order with np.minimum and np.maximum")
+    nonzero = _refused("nonzero", "select with np.where")
+    searchsorted = _refused("searchsorted", "look the row up with a Table")
+
+
+_ARRAY = np.array
+
+
+def symbols(name: str, count: int, boolean: tuple[int, ...] = ()) -> tuple[ca.SX, Traced]:
+    """Return a CasADi column of ``count`` symbols, and the same as a traced array (truth values where told)."""
+    column = ca.SX.sym(name, count)
+    return column, _build((count,), [Scalar(column[i], i in boolean) for i in range(count)])
+
+
+def expressions(array: Any) -> list[ca.SX]:
+    """Return the elements of an array, in C order, as CasADi expressions."""
+    return [ca.SX(_sx(e)) for e in _object(array).ravel().tolist()]
+
+
+@contextmanager
+def tracing() -> Iterator[None]:
+    """While tracing, ``np.array`` and its kin return traced arrays, and CasADi does not rewrite expressions."""
+    originals = {name: getattr(np, name) for name in ("array", "asarray", "asanyarray", "ascontiguousarray", "full")}
+
+    def replaced(name: str) -> Callable:
+        original = originals[name]
+
+        def function(*args: Any, **kwargs: Any) -> Any:
+            if args and contains_traced(args[0]):
+                value = _object(args[0])
+                return (value.copy() if name == "array" else value).view(Traced)
+            return original(*args, **kwargs)
+
+        return function
+
+    def full(shape: Any, fill_value: Any, *args: Any, **kwargs: Any) -> Any:
+        if contains_traced(fill_value):
+            return np.broadcast_to(np.asarray(fill_value), shape).copy()
+        return originals["full"](shape, fill_value, *args, **kwargs)
+
+    rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
+    try:
+        ca.GlobalOptions.setSimplificationOnTheFly(False)
+        for name in originals:
+            setattr(np, name, full if name == "full" else replaced(name))
+        yield
+    finally:
+        for name, original in originals.items():
+            setattr(np, name, original)
+        ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
