@@ -56,8 +56,8 @@ class Variable:
         self,
         *shape_and_unit: int | tuple[int, ...] | str,
         start: Any = None,
-        min: Any = None,  # noqa: A002
-        max: Any = None,  # noqa: A002
+        min: Any = None,
+        max: Any = None,
         nominal: float | None = None,
         display_unit: str | None = None,
         description: str = "",

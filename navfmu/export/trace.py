@@ -603,7 +603,7 @@ def _np_clip(a: Any, a_min: Any = None, a_max: Any = None, out: Any = None, **kw
     return a if a_max is None else np.minimum(a, a_max)
 
 
-def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Any:  # noqa: A002
+def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Any:
     if ord not in (None, 2, "fro") or (ord == 2 and axis is None and np.ndim(x) > 1):
         refuse(f"np.linalg.norm(..., ord={ord!r}) cannot be traced", "write the norm with np.sum, np.abs or np.maximum")
     x = np.ravel(x) if axis is None and not keepdims else x
@@ -646,7 +646,7 @@ _STRUCTURAL = """
 concatenate stack vstack hstack dstack column_stack block cross outer dot inner einsum tensordot kron diag diagonal
 diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat roll flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
-hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval permute_dims
+hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval
 linalg.multi_dot linalg.matrix_power linalg.cross linalg.outer linalg.trace linalg.diagonal linalg.matrix_transpose
 linalg.vecdot linalg.matmul linalg.tensordot
 """.split()
