@@ -186,7 +186,7 @@ def _value(fault: Fault, variable: Variable, parameter: str, value: Any) -> floa
         return float(value)
     if not is_number(value) or not math.isfinite(value):
         raise fault.error(f"'{parameter}' must be a finite number for '{variable.name}', not {value!r}", parameter)
-    if variable.type == "Integer" and value != int(value):
+    if variable.type == "Integer" and (value != int(value) or abs(value) >= 2**31):
         raise fault.error(f"'{parameter}' must be a whole number for '{variable.name}', not {value!r}", parameter)
     if parameter == "sigma" and value < 0:
         raise fault.error(f"'sigma' must not be negative, not {value!r}", parameter)

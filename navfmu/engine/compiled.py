@@ -1,0 +1,418 @@
+"""The compiled engine: hands a plan to the C loop in ``source/`` and FMI's function pointers with it."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable, Iterator
+from ctypes import CDLL, POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t
+from ctypes import c_uint32, c_void_p
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navfmu.engine.library import binary
+from navfmu.engine.plan import TYPES, Inputs, Part, Plan
+from navfmu.engine.recording import Recording, RunError, recording, refusal
+from navfmu.errors import NavfmuError
+from navfmu.faults.effect import EFFECT
+
+Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
+
+
+class _Inputs(Structure):
+    _fields_ = [
+        ("count", c_int32),
+        ("scaled", c_int32),
+        ("references", c_void_p),
+        ("source", c_void_p),
+        ("factor", c_void_p),
+        ("offset", c_void_p),
+    ]
+
+
+FUNCTIONS = (
+    "fmi2SetReal",
+    "fmi2SetInteger",
+    "fmi2SetBoolean",
+    "fmi2SetRealInputDerivatives",
+    "fmi2GetReal",
+    "fmi2GetInteger",
+    "fmi2GetBoolean",
+    "fmi2DoStep",
+    "fmi2ExitInitializationMode",
+)  # in the order of the structure Component and of the enumeration Call
+
+
+class _Component(Structure):
+    _fields_ = [
+        ("instance", c_void_p),
+        *((name, c_void_p) for name in FUNCTIONS),
+        ("never_back", c_int),
+        *((name, _Inputs) for name in ("smooth", "real", "integer", "boolean")),
+        *((name, c_void_p) for name in ("ahead", "first_order", "start", "slope")),
+        *((name, c_void_p) for name in ("real_value", "integer_value", "boolean_value")),
+        *((name, c_int32) for name in ("reals", "integers", "booleans", "first_signal")),
+        *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
+        *((name, c_int32) for name in ("first_effect", "effects")),
+        ("warnings", c_int64),
+    ]
+
+
+class _Master(Structure):
+    _fields_ = [
+        ("component", c_void_p),
+        ("order", c_void_p),
+        ("effect", c_void_p),
+        ("signal", c_void_p),
+        *((name, c_int32) for name in ("components", "signals", "first_driven", "driven")),
+        *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
+        ("column", c_void_p),
+        ("rows", c_void_p),
+        ("record_every", c_int64),
+        *((name, c_double) for name in ("step", "numerator", "denominator")),
+        ("k", c_int64),
+        *((name, c_int32) for name in ("interrupt", "failed", "call", "status")),
+    ]
+
+
+class _Log(Structure):
+    _fields_ = [("error", c_char * 2048), ("warning", c_char * 2048), ("errors", c_int64), ("warnings", c_int64)]
+
+
+class _Callbacks(Structure):
+    _fields_ = [(name, c_void_p) for name in ("logger", "allocate", "free", "step_finished", "environment")]
+
+
+DONE, FAILED, INTERRUPTED = range(3)
+
+
+@cache
+def engine_library() -> CDLL:
+    """The engine's C library, checked to mean the same structures as this file."""
+    path = binary()
+    library = _load(path, "the engine's binary")
+    library.initialise.argtypes = [POINTER(_Master)]
+    library.advance.argtypes = [POINTER(_Master), c_int64]
+    library.prepare_callbacks.argtypes = [POINTER(_Callbacks), POINTER(_Log)]
+    library.prepare_callbacks.restype = None
+    sizes = (c_int32 * 3)()
+    library.layout(sizes)
+    expected = [ctypes.sizeof(_Master), ctypes.sizeof(_Component), EFFECT.itemsize]
+    if list(sizes) != expected:
+        raise NavfmuError(f"the engine's binary {path} does not fit this version of navfmu (rebuild it)")
+    return library
+
+
+def _load(path: Path, what: str) -> CDLL:
+    try:
+        return CDLL(str(path))
+    except OSError as error:
+        raise NavfmuError(f"{what} {path} cannot be loaded: {error}") from None
+
+
+class Fmi2:
+    """The functions of one FMU's library, with their C types."""
+
+    def __init__(self, path: Path, component: str) -> None:
+        self.library = _load(path, f"component '{component}': the binary")
+        self.component = component
+        texts = [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
+        self.instantiate = self._function("fmi2Instantiate", *texts, result=c_void_p)
+        self.free_instance = self._function("fmi2FreeInstance", c_void_p, result=None)
+        self.setup_experiment = self._function(
+            "fmi2SetupExperiment", c_void_p, c_int, c_double, c_double, c_int, c_double
+        )
+        self.enter_initialization = self._function("fmi2EnterInitializationMode", c_void_p)
+        self.terminate = self._function("fmi2Terminate", c_void_p)
+        setter = (c_void_p, c_void_p, c_size_t, c_void_p)
+        self.set = {kind: self._function(f"fmi2Set{kind}", *setter) for kind in (*TYPES, "String")}
+        self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
+        self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
+        self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
+
+    def _function(self, name: str, *arguments: Any, result: Any = c_int) -> Any:
+        try:
+            function = self.library[name]  # a new object each time, so that types set here stay here
+        except AttributeError:
+            raise NavfmuError(f"component '{self.component}': its binary has no function {name}") from None
+        function.argtypes, function.restype = arguments, result
+        return function
+
+    def address(self, name: str) -> int | None:
+        """The function pointer for the C loop."""
+        return ctypes.cast(self._function(name), c_void_p).value
+
+
+@dataclass
+class Snapshot:
+    """The state of a run at a communication point. Belongs to the engine that made it and lives as long as that."""
+
+    k: int
+    states: list[c_void_p]
+    memory: list[np.ndarray]
+
+
+class Compiled:
+    """One run of a plan. Several may run at once in threads: the loop holds no lock and shares nothing."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self._kept: list[Any] = []  # everything that the C structures point to
+        self._memory: list[np.ndarray] = []  # the part of it that changes while running
+        self._logs = (_Log * len(plan.parts))()
+        self._callbacks = (_Callbacks * len(plan.parts))()
+        self._components = (_Component * len(plan.parts))()
+        self._fmus: list[Fmi2] = []
+        self._snapshots: list[Snapshot] = []
+        self._fatal: set[int] = set()
+        self._library = engine_library()
+        self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
+        self._master = self._make_master()
+        try:
+            for number, part in enumerate(plan.parts):
+                self._fill(self._components[number], part)
+                self._instantiate(number, part)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Compiled:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # ---- the run -----------------------------------------------------------------------------------------------------
+
+    @property
+    def k(self) -> int:
+        """Communication points reached; may be read from another thread."""
+        return self._master.k
+
+    def initialise(self) -> None:
+        """Set start values and bring every component to t = 0."""
+        for number, part in enumerate(self.plan.parts):
+            self._configure(number, part)
+        self._check(self._library.initialise(byref(self._master)))
+
+    def advance(self, until: int | None = None) -> None:
+        """Run to communication point ``until`` (default: the end), or to where ``interrupt`` stopped it."""
+        end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
+        self._check(self._library.advance(byref(self._master), end))
+
+    def interrupt(self) -> None:
+        """Stop at the next communication point; to be called from another thread."""
+        self._master.interrupt = 1
+
+    def run(self, progress: Progress | None = None) -> Recording:
+        """Initialise and run to the end. Ctrl-C and ``progress`` get their turn about ten times a second."""
+        self.initialise()
+        steps, chunk = self.plan.clock.steps, 16
+        while self.k < steps and not self._master.interrupt:
+            before = time.perf_counter()
+            self.advance(self.k + chunk)
+            if progress is not None:
+                progress(self.k, steps)
+            spent = time.perf_counter() - before
+            chunk = max(1, chunk * 2 if spent < 0.05 else chunk // 2 if spent > 0.2 else chunk)
+        return self.recording()
+
+    def recording(self) -> Recording:
+        """What has been recorded so far."""
+        rows = self.k // self.plan.record_every + 1
+        return recording(self.plan, self.rows[:rows].copy(), tuple(self._warnings()))
+
+    def _warnings(self) -> Iterator[str]:
+        for part, log, component in zip(self.plan.parts, self._logs, self._components, strict=True):
+            count = max(component.warnings, log.warnings)
+            if count:
+                yield f"component '{part.component.name}' warned {count} times, at last: {_text(log.warning)}"
+
+    def _check(self, result: int) -> None:
+        """Raise the sentence for a call that failed in the loop."""
+        if result != FAILED:
+            return
+        number, call, status = self._master.failed, FUNCTIONS[self._master.call], self._master.status
+        started = call != "fmi2ExitInitializationMode"
+        partial = self.recording() if started else None
+        when = self.plan.clock.time(self.k)
+        self._refuse(number, call, status, when, partial)
+
+    def _refuse(self, number: int, call: str, status: int, when: float | None, partial: Recording | None) -> None:
+        if status == 4:
+            self._fatal.add(number)  # nothing may be called any more, not even free
+        name = self.plan.parts[number].component.name
+        raise RunError(refusal(name, call, status, when, _text(self._logs[number].error)), partial)
+
+    # ---- states ------------------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """The state of the whole run, to come back to with ``restore``."""
+        for part in self.plan.parts:
+            if not part.component.restores:
+                raise NavfmuError(f"component '{part.component.name}' cannot save its state (canGetAndSetFMUstate)")
+        snapshot = Snapshot(self.k, [], [array.copy() for array in self._memory])
+        self._snapshots.append(snapshot)
+        for number, fmu in enumerate(self._fmus):
+            state = c_void_p()
+            self._call(number, "fmi2GetFMUstate", fmu.get_state, byref(state))
+            snapshot.states.append(state)
+        return snapshot
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back (or forward) to a snapshot of this engine; what is run from there overwrites the recording."""
+        if snapshot not in self._snapshots:
+            raise NavfmuError("a snapshot can be restored only in the engine that made it, and only until it is freed")
+        for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=True)):
+            self._call(number, "fmi2SetFMUstate", fmu.set_state, state)
+        for array, saved in zip(self._memory, snapshot.memory, strict=True):
+            array[...] = saved
+        self._master.k = snapshot.k
+
+    def free(self, snapshot: Snapshot) -> None:
+        """Release the memory of a snapshot."""
+        self._snapshots.remove(snapshot)
+        for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=False)):
+            if number not in self._fatal:
+                fmu.free_state(self._components[number].instance, byref(state))
+
+    def close(self) -> None:
+        """Free all instances. The recording stays."""
+        for snapshot in list(self._snapshots):
+            self.free(snapshot)
+        for number, fmu in enumerate(self._fmus):
+            instance = self._components[number].instance
+            if instance and number not in self._fatal:
+                fmu.free_instance(instance)
+            self._components[number].instance = None
+        self._fmus = []
+
+    # ---- preparation -------------------------------------------------------------------------------------------------
+
+    def _keep(self, array: np.ndarray, kind: Any, *, changes: bool = False) -> int:
+        """The address of an array that lives as long as the engine; changing ones belong to snapshots."""
+        array = np.ascontiguousarray(array, kind)
+        self._kept.append(array)
+        if changes:
+            self._memory.append(array)
+        return array.ctypes.data
+
+    def _make_master(self) -> _Master:
+        plan, count = self.plan, len(self.plan.signals)
+        signal = np.zeros((3, count))
+        signal[:, plan.first_driven :] = plan.driven
+        faulted = {int(slot) for slot in plan.effects["slot"]}
+        columns = [c.slot + (count if c.true and self._has_truth(c.slot, faulted) else 0) for c in plan.recorded]
+        first_driven_effect = plan.first_driven_effect
+        return _Master(
+            component=ctypes.addressof(self._components),
+            order=self._keep(np.array(plan.order), np.int32),
+            effect=self._keep(plan.effects.copy(), EFFECT, changes=True),
+            signal=self._keep(signal.reshape(-1), np.float64, changes=True),
+            components=len(plan.parts),
+            signals=count,
+            first_driven=plan.first_driven,
+            driven=len(plan.driven),
+            first_driven_effect=first_driven_effect,
+            driven_effects=len(plan.effects) - first_driven_effect,
+            algorithm=int(plan.algorithm == "gauss_seidel"),
+            columns=len(columns),
+            column=self._keep(np.array(columns), np.int32),
+            rows=self.rows.ctypes.data,
+            record_every=plan.record_every,
+            step=plan.clock.step,
+            numerator=plan.clock.numerator,
+            denominator=plan.clock.denominator,
+            failed=-1,
+        )
+
+    @staticmethod
+    def _has_truth(slot: int, faulted: set[int]) -> bool:
+        return slot in faulted
+
+    def _inputs(self, group: Inputs) -> _Inputs:
+        return _Inputs(
+            count=len(group.names),
+            scaled=int(group.scaled),
+            references=self._keep(group.references, np.uint32),
+            source=self._keep(group.source, np.int32),
+            factor=self._keep(group.factor, np.float64),
+            offset=self._keep(group.offset, np.float64),
+        )
+
+    def _fill(self, to: _Component, part: Part) -> None:
+        fmu = Fmi2(part.component.library, part.component.name)
+        self._fmus.append(fmu)
+        for name in FUNCTIONS:
+            setattr(to, name, fmu.address(name))
+        to.never_back = int(not part.component.restores)
+        to.smooth, to.real, to.integer, to.boolean = map(
+            self._inputs, (part.smooth, part.real, part.integer, part.boolean)
+        )
+        smooth = len(part.smooth.names)
+        to.ahead = self._keep(self._ahead(part.smooth.source), np.int32)
+        to.first_order = self._keep(np.ones(smooth), np.int32)
+        to.start = self._keep(np.zeros(smooth), np.float64, changes=True)
+        to.slope = self._keep(np.zeros(smooth), np.float64)
+        to.real_value = self._keep(np.zeros(len(part.real.names)), np.float64, changes=True)
+        to.integer_value = self._keep(np.zeros(len(part.integer.names)), np.int32, changes=True)
+        to.boolean_value = self._keep(np.zeros(len(part.boolean.names)), np.int32, changes=True)
+        to.reals, to.integers, to.booleans = (len(part.outputs[kind]) for kind in TYPES)
+        to.first_signal = part.first_signal
+        to.real_reference, to.integer_reference, to.boolean_reference = (
+            self._keep(part.outputs[kind], np.uint32) for kind in TYPES
+        )
+        to.whole = self._keep(np.zeros(max(to.integers, to.booleans)), np.int32)
+        to.first_effect, to.effects = part.first_effect, part.effects
+
+    def _ahead(self, source: np.ndarray) -> np.ndarray:
+        """Where to find the value at the end of a step: components without faults have it where it always is."""
+        disturbed = np.zeros(len(self.plan.signals), bool)
+        for part in self.plan.parts:
+            if part.effects:
+                disturbed[part.first_signal : part.first_signal + part.signals] = True
+        return np.where(disturbed[source], source + 2 * len(self.plan.signals), source)
+
+    def _instantiate(self, number: int, part: Part) -> None:
+        component, fmu = part.component, self._fmus[number]
+        log, callbacks = self._logs[number], self._callbacks[number]
+        self._library.prepare_callbacks(byref(callbacks), byref(log))
+        resources = (component.directory.resolve() / "resources").as_uri()
+        texts = (component.name.encode(), 1, component.guid.encode(), resources.encode())  # 1: co-simulation
+        instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
+        if not instance:
+            said = _text(log.error) or _text(log.warning) or "it gave no reason"
+            raise RunError(f"component '{component.name}' could not be instantiated: {said}")
+        self._components[number].instance = instance
+
+    def _configure(self, number: int, part: Part) -> None:
+        fmu = self._fmus[number]
+        for kind, values in part.settings.items():
+            if values.names:
+                ctype = {"Real": c_double, "String": c_char_p}.get(kind, c_int)
+                encoded = [v.encode() if isinstance(v, str) else v for v in values.values]
+                array = (ctype * len(encoded))(*encoded)
+                references = (c_uint32 * len(encoded))(*values.references.tolist())
+                self._call(number, f"fmi2Set{kind}", fmu.set[kind], references, len(encoded), array)
+        stop = self.plan.clock.time(self.plan.clock.steps)
+        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, 0, 0.0, 0.0, 1, stop)
+        self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
+
+    def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
+        status = function(self._components[number].instance, *arguments)
+        if status > 1:
+            self._refuse(number, name, status, None, None)
+
+
+def _text(raw: bytes) -> str:
+    return raw.decode("utf-8", "replace")
+
+
+def run(plan: Plan, progress: Progress | None = None) -> Recording:
+    """Run a plan from beginning to end."""
+    with Compiled(plan) as engine:
+        return engine.run(progress)

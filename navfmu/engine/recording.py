@@ -1,0 +1,62 @@
+"""What a run returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfmu.engine.plan import Plan
+from navfmu.errors import NavfmuError
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Recorded signals: ``values[row, column]`` at ``time[row]`` (s). Booleans are 0 and 1."""
+
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+    types: tuple[str, ...]
+    time: np.ndarray
+    values: np.ndarray
+    warnings: tuple[str, ...] = ()  # sentences
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column by name."""
+        return self.values[:, self.names.index(name)]
+
+
+class RunError(NavfmuError):
+    """An FMU refused a call. ``recording`` holds what was recorded before."""
+
+    def __init__(self, sentence: str, recording: Recording | None = None) -> None:
+        super().__init__(sentence)
+        self.recording = recording
+
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+
+
+def refusal(component: str, call: str, status: int, time: float | None, message: str) -> str:
+    """The sentence for a call that an FMU did not answer with OK."""
+    name = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
+    when = "" if time is None else f" at t = {time:.9g} s"
+    said = message.strip() or "it gave no reason"
+    if name == "Pending":
+        said = "asynchronous steps are not supported"
+    return f"component '{component}': {said} ({call} returned {name}{when})"
+
+
+def recording(plan: Plan, rows: np.ndarray, warnings: tuple[str, ...] = ()) -> Recording:
+    """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
+    for number, column in enumerate(plan.recorded):
+        if (column.factor, column.offset) != (1.0, 0.0):
+            rows[:, number] = column.factor * rows[:, number] + column.offset
+    return Recording(
+        names=tuple(column.name for column in plan.recorded),
+        units=tuple(column.unit for column in plan.recorded),
+        types=tuple(column.type for column in plan.recorded),
+        time=np.array([plan.clock.time(row * plan.record_every) for row in range(len(rows))]),
+        values=rows,
+        warnings=warnings,
+    )

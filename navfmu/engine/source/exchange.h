@@ -1,0 +1,135 @@
+/* What happens to one component: inputs set, a step made, outputs read. Each returns 0, or 1 when a call failed. */
+#ifndef NAVFMU_EXCHANGE_H
+#define NAVFMU_EXCHANGE_H
+
+#include "effects.h"
+
+static inline int failed(Master *m, Component *c, Call call, fmi2Status status) {
+    if (status == fmi2Warning) {
+        c->warnings++;
+        return 0;
+    }
+    m->failed = (int32_t)(c - m->component);
+    m->call = call;
+    m->status = status;
+    return 1;
+}
+
+#define TRY(call, expression)                                                       \
+    do {                                                                            \
+        fmi2Status status_ = (expression);                                          \
+        if (status_ != fmi2OK && failed(m, c, call, status_)) return 1;             \
+    } while (0)
+
+/* A signal as the input i sees it; what is not scaled keeps its bits. */
+static inline double converted(const Inputs *in, int i, double value) {
+    if (!in->scaled || (in->factor[i] == 1.0 && in->offset[i] == 0.0)) return value;
+    return in->factor[i] * value + in->offset[i];
+}
+
+static inline uint64_t bits(double value) {
+    uint64_t n;
+    memcpy(&n, &value, sizeof n);
+    return n;
+}
+
+/* Set the inputs that are held over the step, each group only if a bit of it has changed. */
+static inline int set_held(Master *m, Component *c, int always) {
+    const double *signal = m->signal;
+    if (c->real.count) {
+        uint64_t changed = (uint64_t)always;
+        for (int i = 0; i < c->real.count; i++) {
+            double value = converted(&c->real, i, signal[c->real.source[i]]);
+            changed |= bits(value) ^ bits(c->real_value[i]);
+            c->real_value[i] = value;
+        }
+        if (changed) TRY(SET_REAL, c->set_real(c->instance, c->real.references, (size_t)c->real.count, c->real_value));
+    }
+    if (c->integer.count) {
+        int changed = always;
+        for (int i = 0; i < c->integer.count; i++) {
+            fmi2Integer value = (fmi2Integer)signal[c->integer.source[i]];
+            changed |= value != c->integer_value[i];
+            c->integer_value[i] = value;
+        }
+        if (changed)
+            TRY(SET_INTEGER,
+                c->set_integer(c->instance, c->integer.references, (size_t)c->integer.count, c->integer_value));
+    }
+    if (c->boolean.count) {
+        int changed = always;
+        for (int i = 0; i < c->boolean.count; i++) {
+            fmi2Boolean value = signal[c->boolean.source[i]] != 0.0;
+            changed |= value != c->boolean_value[i];
+            c->boolean_value[i] = value;
+        }
+        if (changed)
+            TRY(SET_BOOLEAN,
+                c->set_boolean(c->instance, c->boolean.references, (size_t)c->boolean.count, c->boolean_value));
+    }
+    return 0;
+}
+
+/* The value of each smooth input now, where the next step starts. */
+static inline void begin_smooth(Master *m, Component *c) {
+    for (int i = 0; i < c->smooth.count; i++)
+        c->start[i] = converted(&c->smooth, i, m->signal[c->smooth.source[i]]);
+}
+
+/* Set the smooth inputs: their value at the beginning of the step and the slope to its end. */
+static inline int set_smooth(Master *m, Component *c) {
+    if (!c->smooth.count) return 0;
+    for (int i = 0; i < c->smooth.count; i++)
+        c->slope[i] = (converted(&c->smooth, i, m->signal[c->ahead[i]]) - c->start[i]) / m->step;
+    size_t count = (size_t)c->smooth.count;
+    TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, count, c->start));
+    TRY(SET_DERIVATIVES, c->set_derivatives(c->instance, c->smooth.references, count, c->first_order, c->slope));
+    begin_smooth(m, c);
+    return 0;
+}
+
+/* Set all inputs in initialisation mode. */
+static inline int set_initial(Master *m, Component *c) {
+    begin_smooth(m, c);
+    if (c->smooth.count)
+        TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, (size_t)c->smooth.count, c->start));
+    return set_held(m, c, 1);
+}
+
+static inline int exit_initialization(Master *m, Component *c) {
+    TRY(EXIT_INITIALIZATION, c->exit_initialization(c->instance));
+    return 0;
+}
+
+static inline int make_step(Master *m, Component *c, double t) {
+    TRY(DO_STEP, c->do_step(c->instance, t, m->step, c->never_back));
+    return 0;
+}
+
+/* Read the outputs into `to`, the signals of the values that left or of the true ones. */
+static inline int read_into(Master *m, Component *c, double *to) {
+    to += c->first_signal;
+    if (c->reals) TRY(GET_REAL, c->get_real(c->instance, c->real_reference, (size_t)c->reals, to));
+    to += c->reals;
+    if (c->integers) {
+        TRY(GET_INTEGER, c->get_integer(c->instance, c->integer_reference, (size_t)c->integers, c->whole));
+        for (int i = 0; i < c->integers; i++) to[i] = c->whole[i];
+    }
+    to += c->integers;
+    if (c->booleans) {
+        TRY(GET_BOOLEAN, c->get_boolean(c->instance, c->boolean_reference, (size_t)c->booleans, c->whole));
+        for (int i = 0; i < c->booleans; i++) to[i] = c->whole[i] != 0;
+    }
+    return 0;
+}
+
+/* Outputs at communication point k, with the faults of that point. */
+static inline int read_outputs(Master *m, Component *c, int64_t k) {
+    if (!c->effects) return read_into(m, c, m->signal);
+    if (read_into(m, c, m->signal + m->signals)) return 1;
+    if (k > 0) look_ahead(m, c, k - 1);
+    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k);
+    return 0;
+}
+
+#endif

@@ -1,0 +1,12 @@
+/* Gauss-Seidel: one after the other, each component gets its inputs and makes the step to t_{k+1}. */
+#include "exchange.h"
+
+int gauss_seidel(Master *m) {
+    double t = time_of(m, m->k);
+    for (int i = 0; i < m->components; i++) {
+        Component *c = &m->component[m->order[i]];
+        if (set_smooth(m, c) || set_held(m, c, 0)) return 1;
+        if (make_step(m, c, t) || read_outputs(m, c, m->k + 1)) return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,15 @@
+/* Jacobi: all components get their inputs as of t_k, then all make the step to t_{k+1}. */
+#include "exchange.h"
+
+int jacobi(Master *m) {
+    double t = time_of(m, m->k);
+    for (int i = 0; i < m->components; i++) {
+        Component *c = &m->component[i];
+        if (set_held(m, c, 0)) return 1;
+    }
+    for (int i = 0; i < m->components; i++) {
+        Component *c = &m->component[i];
+        if (make_step(m, c, t) || read_outputs(m, c, m->k + 1)) return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,103 @@
+/* The compiled master: runs a plan (navfmu/engine/plan.py) over the function pointers of FMI 2.0 FMUs.
+   All memory belongs to the caller (navfmu/engine/compiled.py), which mirrors these structures field by field. */
+#ifndef NAVFMU_MASTER_H
+#define NAVFMU_MASTER_H
+
+#include <stdint.h>
+
+#include "fmi2FunctionTypes.h"
+
+#if defined(_WIN32)
+#define API __declspec(dllexport)
+#else
+#define API __attribute__((visibility("default")))
+#endif
+
+/* What a fault does to one signal while first <= k < end; see navfmu/faults/effect.py. */
+typedef enum { ADD, RAMP, SET, HOLD, NOISE } EffectKind;
+
+typedef struct {
+    int32_t kind;
+    int32_t slot;                 /* the signal it changes */
+    int64_t first, end;           /* communication points */
+    double amount;
+    double start;                 /* s, origin of a RAMP */
+    uint64_t seed, stream, lane;  /* NOISE: key, and task word of the counter */
+    int64_t multiplier, divisor;  /* NOISE: sample number j = k * multiplier / divisor */
+    double memory;                /* HOLD: the value; NOISE: amount * normal number j */
+    int64_t drawn;                /* NOISE: j of the memory */
+} Effect;
+
+/* Inputs of one type that are set by one call: input i = factor[i] * signal[source[i]] + offset[i]. */
+typedef struct {
+    int32_t count;
+    int32_t scaled;               /* 0: all are plain copies */
+    const fmi2ValueReference *references;
+    const int32_t *source;
+    const double *factor, *offset;
+} Inputs;
+
+typedef struct {
+    fmi2Component instance;
+    fmi2SetRealTYPE *set_real;
+    fmi2SetIntegerTYPE *set_integer;
+    fmi2SetBooleanTYPE *set_boolean;
+    fmi2SetRealInputDerivativesTYPE *set_derivatives;
+    fmi2GetRealTYPE *get_real;
+    fmi2GetIntegerTYPE *get_integer;
+    fmi2GetBooleanTYPE *get_boolean;
+    fmi2DoStepTYPE *do_step;
+    fmi2ExitInitializationModeTYPE *exit_initialization;
+    fmi2Boolean never_back;       /* it cannot restore a state */
+
+    Inputs smooth, real, integer, boolean;
+    const int32_t *ahead;         /* smooth: signal at the end of the step, with the fault at its beginning */
+    const fmi2Integer *first_order; /* smooth: 1, 1, ... */
+    double *start, *slope;        /* smooth: value at the beginning of the step, derivative */
+    double *real_value;           /* last set */
+    fmi2Integer *integer_value;
+    fmi2Boolean *boolean_value;
+
+    int32_t reals, integers, booleans; /* outputs, whose signals lie in this order from first_signal on */
+    int32_t first_signal;
+    const fmi2ValueReference *real_reference, *integer_reference, *boolean_reference;
+    int32_t *whole;               /* room for the Integer and Boolean outputs */
+
+    int32_t first_effect, effects;
+    int64_t warnings;             /* calls that returned fmi2Warning */
+} Component;
+
+typedef enum { SET_REAL, SET_INTEGER, SET_BOOLEAN, SET_DERIVATIVES, GET_REAL, GET_INTEGER, GET_BOOLEAN, DO_STEP,
+               EXIT_INITIALIZATION } Call;
+
+typedef struct {
+    Component *component;         /* in the order of the system description */
+    const int32_t *order;         /* in which they initialise and, in Gauss-Seidel, step */
+    Effect *effect;
+    double *signal;               /* the values that left, then the true ones, then those ahead */
+    int32_t components, signals;
+    int32_t first_driven, driven; /* driven signals are the last ones */
+    int32_t first_driven_effect, driven_effects;
+    int32_t algorithm;            /* 0 Jacobi, 1 Gauss-Seidel */
+
+    int32_t columns;
+    const int32_t *column;        /* recorded signals */
+    double *rows;                 /* room for every recorded communication point */
+    int64_t record_every;
+
+    double step, numerator, denominator; /* t_k = k * numerator / denominator */
+    int64_t k;                    /* communication points reached; may be read while running */
+    int32_t interrupt;            /* set to 1 from another thread to stop at the next communication point */
+
+    int32_t failed;               /* component whose call failed, or -1 */
+    int32_t call;                 /* which one */
+    int32_t status;               /* and what it returned */
+} Master;
+
+/* Return values of initialise and advance. */
+enum { DONE, FAILED, INTERRUPTED };
+
+int jacobi(Master *m);
+int gauss_seidel(Master *m);
+
+#endif
