@@ -1,8 +1,8 @@
 """The pitot-static chain: from the air around the aircraft to airspeed and pressure altitude.
 
-Thesis section 2.5.3, p. 24. The thesis's (2.2), V_c = sqrt(2 dP / rho), is the incompressible limit; here the isentropic
-formula that airspeed indicators are built to is used (ICAO Doc 7488): with M the Mach number and q_c the difference of
-total and static pressure,
+Thesis section 2.5.3, p. 24. The thesis's (2.2), V_c = sqrt(2 dP / rho), is the incompressible limit; here the
+isentropic formula that airspeed indicators are built to is used: with M the Mach number and q_c the difference of total
+and static pressure,
 
     q_c = p ((1 + M^2 / 5)^(7/2) - 1),    M = sqrt(5 ((q_c / p + 1)^(2/7) - 1)).                                 (1)
 

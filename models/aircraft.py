@@ -79,7 +79,7 @@ def schedule(duration, turn_rate, vertical_speed, speed, initial, limits, grid):
     end = np.where(used & following, total, FOREVER)
 
     def before(target, first):
-        return np.concatenate([np.array([first]), target[:-1]])
+        return np.concatenate([np.reshape(first, (1,)), target[:-1]])
 
     speed_before = before(speed, initial_speed)
     turn_before = before(turn_rate, 0.0)
@@ -142,6 +142,14 @@ def weathercock(crab, crab_rate, old_target, new_target, period, time_constant, 
         new_target - lag + decay * (error + period * (error_rate + inverse * error)),
         slope + decay * (error_rate - period * inverse * (error_rate + inverse * error)),
     )
+
+
+def turned(sine, cosine, angle):
+    """Sine and cosine of an angle enlarged by a small one, below 0.1 rad to 1e-12."""
+    a2 = angle * angle
+    small_sine = angle * (1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0)))
+    small_cosine = 1.0 - 0.5 * a2 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0))
+    return sine * small_cosine + cosine * small_sine, cosine * small_cosine - sine * small_sine
 
 
 def move(latitude, longitude, altitude, velocity_n, middle_velocity_n, next_velocity_n, next_altitude, period):

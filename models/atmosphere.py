@@ -1,4 +1,4 @@
-"""Standard atmosphere up to 11 km (ISO 2533, ICAO Doc 7488), with another temperature and pressure at sea level if wished.
+"""Standard atmosphere up to 11 km (ISO 2533), with another temperature and pressure at sea level if wished.
 
 Temperature falls linearly with geopotential altitude H, T = T_0 - lambda H, and the hydrostatic equation gives
 p = p_0 (T / T_0)^(g / (R lambda)); solved for H this is thesis (2.1), p. 24. R is the *specific* gas constant of air

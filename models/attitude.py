@@ -1,8 +1,8 @@
 """Attitude: Euler angles, direction cosine matrices and quaternions.
 
 ``C_nb`` takes components in b (forward, right, down) to components in n (north, east, down). Euler angles are
-heading, pitch, roll in this order of rotation (thesis section 4.2), in rad. Quaternions are (q0, q1, q2, q3), scalar
-first, of the same rotation; thesis (A.6)-(A.8).
+heading, pitch, roll in this order of rotation in rad. Quaternions are (q0, q1, q2, q3), scalar
+first, of the same rotation.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def dcm(roll, pitch, heading):
-    """C_nb from Euler angles, thesis (4.2), (5.48)."""
+    """C_nb from Euler angles."""
     return dcm_from_sines(np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch), np.sin(heading), np.cos(heading))
 
 
@@ -59,7 +59,7 @@ def quaternion(roll, pitch, heading):
 
 
 def dcm_from_quaternion(q):
-    """C_nb from its quaternion; the transpose of thesis (A.6) with [2,2] = 1 - 2 (q1^2 + q2^2)."""
+    """C_nb from its quaternion; the transpose of thesis (5.51) with [2,2] = 1 - 2 (q1^2 + q2^2)."""
     q0, q1, q2, q3 = q[0], q[1], q[2], q[3]
     return np.array(
         [

@@ -4,7 +4,7 @@ Frames: n is north-east-down at the aircraft, e is earth-centred earth-fixed. La
 rad; altitude is the height above the ellipsoid, positive up, in m (the thesis writes h positive *down*, hence its
 ``R - h``).
 
-References: NIMA TR8350.2 (WGS-84); thesis (A.1)-(A.3), (A.24)-(A.29), p. 243. The thesis's radii (A.4), (A.5) are
+References: NIMA TR8350.2 (WGS-84); thesis appendix A, (A.1)-(A.5), (A.24)-(A.29). The thesis's radii (A.4), (A.5) are
 expansions to first order in the flattening; here the closed forms are used, they differ by less than 3e-5.
 """
 

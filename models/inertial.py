@@ -1,4 +1,4 @@
-"""Inertial sensors, thesis section 3.2, p. 36: one error model for gyros and accelerometers."""
+"""Inertial sensors, thesis section 3.2, p. 38: one error model for gyros and accelerometers."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ def sense(true, scale_factor, null_shift, drift, noise):
 
 
 def angle_random_walk(noise_sigma, sample_frequency):
-    """Growth of the angle from integrated rate noise, rad/sqrt(s): sigma_w / sqrt(f_s), thesis (B.10), p. 258."""
+    """Growth of the angle from integrated rate noise, rad/sqrt(s): sigma_w / sqrt(f_s), thesis (B.10), appendix B."""
     return noise_sigma / sample_frequency**0.5

@@ -4,7 +4,7 @@
 
 with Schmidt semi-normalised P_nm, geocentric colatitude theta and radius r, a = 6371.2 km, and g, h linear in the date
 (NOAA, *The US/UK World Magnetic Model for 2025-2030*, technical report, section 1.2). The recursions run over P_nm/sin
-theta for m > 0, so the poles are not singular. The thesis (section 3.6, p. 57) used IGRF of 1999; this is its
+theta for m > 0, so the poles are not singular. The thesis (section 3.6, p. 56) used IGRF of 1999; this is its
 successor's kind: good to about 140 nT (1 sigma, crustal fields) anywhere.
 """
 

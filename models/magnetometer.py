@@ -1,4 +1,4 @@
-"""Magnetometer triad, thesis (3.28), p. 59: what a strapdown magnetometer makes of Earth's field.
+"""Magnetometer triad, thesis (3.28), p. 58: what a strapdown magnetometer makes of Earth's field.
 
     B_measured = C_m C_sf C_si (B^b + dB^b) + noise
 

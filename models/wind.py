@@ -1,4 +1,4 @@
-"""Berman-Powell wind model, thesis section 3.8, p. 70.
+"""Berman-Powell wind model, thesis section 3.8, p. 66.
 
 The horizontal wind along the flight is a mean plus, on each axis, a first-order Gauss-Markov process of 5 m/s and
 400 s (3.36), (3.37). Its time is the *travelling time* since the last observation, (3.35),

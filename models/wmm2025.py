@@ -1,7 +1,8 @@
 """World Magnetic Model 2025: Gauss coefficients, epoch 2025.0, valid to 2030.0.
 
 Facts from WMM.COF, 13 November 2024, by NOAA's National Centers for Environmental Information and the British
-Geological Survey; the model is in the public domain. Columns: degree n, order m, g and h in nT, their secular change in nT/year.
+Geological Survey; the model is in the public domain. Columns: degree n, order m, g and h in nT, their change in
+nT/year.
 """
 
 EPOCH = 2025.0

@@ -1,0 +1,138 @@
+"""The air data computer as an FMU."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models import air_data, atmosphere, gauss_markov
+from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, start
+
+
+class AirData(Component):
+    """Air data system: pitot-static chain, airspeed and pressure altitude.
+
+    From the true altitude and air-relative velocity come the static pressure p, the total pressure p_t and the
+    temperature of the standard atmosphere (with a temperature and a sea-level pressure of the day), behind the ports
+    the measured ones, and from these (thesis section 2.5.3, p. 24)
+
+        h_p = T_0/lambda (1 - (p/p_0)^(R lambda/g))               pressure altitude, (2.1)
+        V_c = a_0 sqrt(5 ((1 + (p_t - p)/p_0)^(2/7) - 1))         calibrated airspeed, the compressible form of (2.2)
+        V_i = V_c + dV + dV_w                                     indicated airspeed, (3.30)-(3.31), p. 63
+        V   = a sqrt(5 ((1 + q_c(V_i)/p)^(2/7) - 1))              true airspeed with the measured temperature
+        h   = h_p + dh                                            (3.34), p. 65
+
+    dV and dh are first-order Gauss-Markov: 2.6 m/s (5 kt), 400 s (3.32)-(3.33); 23 m (75 ft), 400 s (3.34). They
+    start in their stationary distributions. dV_w is white, zero in the thesis (1 m/s in its source).
+
+    A blocked port keeps the pressure it had. Blocked pitot tube: the airspeed does not answer to speed and rises in a
+    climb. Blocked static port: altitude freezes; the airspeed reads low above the altitude of blocking, high below it.
+    """
+
+    name = "air_data"
+
+    altitude = Input("m", display_unit="ft", description="true height above the ellipsoid")
+    velocity_n = Input(3, "m/s", display_unit="kn", description="true velocity over ground, north, east, down")
+    wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
+    pitot_blocked = Input(kind="boolean", fault=True, description="fault: pitot tube and its drain blocked")
+    static_blocked = Input(kind="boolean", fault=True, description="fault: static port blocked")
+
+    airspeed_error_sigma = Parameter(
+        "m/s",
+        start=2.6,
+        min=0.0,
+        display_unit="kn",
+        description="standard deviation of the airspeed error, thesis (3.33): 2.6 m/s (5 kt)",
+    )
+    airspeed_error_time = Parameter(
+        "s", start=400.0, min=1.0, description="correlation time of the airspeed error, thesis (3.33): 400 s"
+    )
+    airspeed_noise_sigma = Parameter(
+        "m/s",
+        start=0.0,
+        min=0.0,
+        display_unit="kn",
+        description="white noise of the airspeed per sample, thesis section 3.7.1: 0 (1 m/s in its source)",
+    )
+    altitude_error_sigma = Parameter(
+        "m",
+        start=23.0,
+        min=0.0,
+        display_unit="ft",
+        description="standard deviation of the altitude error, thesis (3.34): 23 m (75 ft)",
+    )
+    altitude_error_time = Parameter(
+        "s", start=400.0, min=1.0, description="correlation time of the altitude error, thesis (3.34): 400 s"
+    )
+    temperature_error = Parameter(
+        "K", start=0.0, min=-50.0, max=50.0, description="constant error of the temperature probe"
+    )
+    temperature_deviation = Parameter(
+        "K", start=0.0, min=-60.0, max=60.0, description="temperature of the day minus the standard one, at all heights"
+    )
+    sea_level_pressure = Parameter(
+        "Pa",
+        start=atmosphere.PRESSURE,
+        min=80000.0,
+        max=110000.0,
+        display_unit="hPa",
+        description="pressure of the day at mean sea level (standard: 1013.25 hPa)",
+    )
+    geoid_height = Parameter(
+        "m", start=0.0, min=-120.0, max=120.0, description="height of mean sea level above the ellipsoid"
+    )
+    sample_period = Parameter("s", start=0.1, min=1e-3, max=10.0, description="sampling period")
+
+    air = Bundle(
+        true_airspeed=Output("m/s", display_unit="kn", description="true airspeed"),
+        calibrated_airspeed=Output("m/s", display_unit="kn", description="airspeed as indicated, V_i"),
+        pressure_altitude=Output("m", display_unit="ft", description="pressure altitude, setting 1013.25 hPa"),
+        temperature=Output(
+            "K", start=atmosphere.TEMPERATURE, display_unit="degC", description="outside air temperature"
+        ),
+        description="air data",
+    )
+
+    static_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the static port")
+    total_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the pitot tube")
+    airspeed_error = State("m/s", description="Gauss-Markov error of the airspeed")
+    altitude_error = State("m", description="Gauss-Markov error of the altitude")
+    airspeed_decay = State("1", description="exp(-T/tau) of the airspeed error")
+    altitude_decay = State("1", description="exp(-T/tau) of the altitude error")
+    airspeed_drive = State("m/s", description="sigma sqrt(1 - phi^2) of the airspeed error")
+    altitude_drive = State("m", description="sigma sqrt(1 - phi^2) of the altitude error")
+
+    @start
+    def turn_on(self, noise):
+        n = noise(2)
+        self.airspeed_error = gauss_markov.stationary(self.airspeed_error_sigma, n[0])
+        self.altitude_error = gauss_markov.stationary(self.altitude_error_sigma, n[1])
+        self.airspeed_decay = gauss_markov.decay(self.sample_period, self.airspeed_error_time)
+        self.altitude_decay = gauss_markov.decay(self.sample_period, self.altitude_error_time)
+        self.airspeed_drive = gauss_markov.drive(self.airspeed_error_sigma, self.airspeed_decay)
+        self.altitude_drive = gauss_markov.drive(self.altitude_error_sigma, self.altitude_decay)
+
+    @every("sample_period")
+    def sample(self, noise):
+        n = noise(3)
+        self.airspeed_error = gauss_markov.advance(self.airspeed_error, self.airspeed_decay, self.airspeed_drive, n[0])
+        self.altitude_error = gauss_markov.advance(self.altitude_error, self.altitude_decay, self.altitude_drive, n[1])
+
+        relative = self.velocity_n - self.wind_n
+        static, total, temperature = air_data.pressures(
+            np.sqrt(np.sum(relative * relative)),
+            atmosphere.geopotential(self.altitude - self.geoid_height),
+            self.temperature_deviation,
+            self.sea_level_pressure,
+        )
+        self.static_pressure = air_data.trapped(static, self.static_pressure, self.static_blocked)
+        self.total_pressure = air_data.trapped(total, self.total_pressure, self.pitot_blocked)
+
+        calibrated = air_data.calibrated_airspeed(self.static_pressure, self.total_pressure)
+        indicated = np.maximum(calibrated + self.airspeed_error + self.airspeed_noise_sigma * n[2], 0.0)
+        measured_temperature = temperature + self.temperature_error
+        self.air.publish(
+            calibrated_airspeed=indicated,
+            true_airspeed=air_data.true_airspeed(indicated, self.static_pressure, measured_temperature),
+            pressure_altitude=atmosphere.pressure_altitude(self.static_pressure) + self.altitude_error,
+            temperature=measured_temperature,
+        )

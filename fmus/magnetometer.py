@@ -1,0 +1,112 @@
+"""The magnetometer triad as an FMU."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models import attitude, magnetic_field, magnetometer
+from models.magnetometer import MILLIGAUSS
+from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, require, start
+
+
+class Magnetometer(Component):
+    """Strapdown magnetometer triad in Earth's field (World Magnetic Model 2025).
+
+    The field in n at the true position and the date is the WMM2025, a spherical harmonic series of degree 12 valid from
+    2025.0 to 2030.0; it is computed every field_period (it changes by some 5 nT per km) and turned to body axes with
+    the true attitude at every sample. The triad makes of it, thesis (3.28), p. 58,
+
+        B_m = C_m C_sf C_si (B^b + dB^b) + noise
+
+    dB^b  hard iron: a given value, plus one drawn at turn-on (what a calibration leaves), plus the fault input
+    C_si  = I + soft_iron
+    C_sf  = I + diag(scale_factor)
+    C_m   = I - [misalignment x], (3.29)
+
+    Calibrated triads were left with 4 to 7 mG, which is up to 2.5 degrees of heading (section 3.11, Figs 3.27, 3.30);
+    noise is 1 to 5 mG (Table 3.3). The first sample follows the first computation of the field, at field_period.
+    """
+
+    name = "magnetometer"
+
+    latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
+    longitude = Input("rad", display_unit="deg", description="true longitude")
+    altitude = Input("m", display_unit="ft", description="true height above the ellipsoid")
+    roll = Input("rad", display_unit="deg", description="true roll angle")
+    pitch = Input("rad", display_unit="deg", description="true pitch angle")
+    heading = Input("rad", display_unit="deg", description="true heading, from true north")
+    hard_iron_change = Input(
+        3, "T", display_unit="mG", fault=True, description="fault: change of the hard iron field, body axes"
+    )
+
+    date = Parameter("1", start=2026.0, description="date in decimal years, 2025.0 to 2030.0 (validity of the WMM2025)")
+    hard_iron = Parameter(
+        3, "T", start=0.0, display_unit="mG", description="given part of the hard iron field, dB^b of thesis (3.28)"
+    )
+    hard_iron_sigma = Parameter(
+        3,
+        "T",
+        start=5.0 * MILLIGAUSS,
+        min=0.0,
+        display_unit="mG",
+        description="standard deviation of the hard iron left by the calibration, thesis Fig 3.27: 4 to 7 mG",
+    )
+    soft_iron = Parameter(
+        (3, 3), "1", start=0.0, min=-0.9, max=10.0, description="soft iron, C_si - I of thesis (3.28), body axes"
+    )
+    scale_factor = Parameter(
+        3, "1", start=0.0, min=-0.9, max=10.0, description="scale factor errors, the diagonal of C_sf - I of (3.28)"
+    )
+    misalignment = Parameter(
+        3,
+        "rad",
+        start=0.0,
+        min=-0.2,
+        max=0.2,
+        display_unit="deg",
+        description="rotation of the triad about the body axes, thesis (3.29)",
+    )
+    noise_sigma = Parameter(
+        3,
+        "T",
+        start=5.0 * MILLIGAUSS,
+        min=0.0,
+        display_unit="mG",
+        description="wide-band noise per sample, thesis Table 3.3: 1 to 5 mG",
+    )
+    sample_period = Parameter(
+        "s", start=0.05, min=1e-3, max=10.0, description="sampling period, thesis Fig 3.29: 20 Hz"
+    )
+    field_period = Parameter("s", start=1.0, min=1e-3, max=60.0, description="period at which the field is computed")
+
+    field = Bundle(
+        field_b=Output(3, "T", display_unit="mG", description="measured field, body axes"),
+        description="measurement",
+    )
+
+    field_n = State(3, "T", description="Earth's field, north, east, down")
+    field_known = State(kind="boolean", description="the field has been computed")
+    hard_iron_b = State(3, "T", description="hard iron after turn-on")
+    distortion = State((3, 3), "1", description="C_m C_sf C_si")
+
+    @require("the date {date} is outside the validity of the World Magnetic Model 2025, which is 2025.0 to 2030.0")
+    def model_is_valid(self):
+        return np.logical_and(self.date >= magnetic_field.EPOCH, self.date <= magnetic_field.EXPIRES)
+
+    @start
+    def turn_on(self, noise):
+        self.hard_iron_b = self.hard_iron + self.hard_iron_sigma * noise(3)
+        self.distortion = magnetometer.distortion(self.soft_iron, self.scale_factor, self.misalignment)
+
+    @every("field_period")
+    def compute_field(self):
+        self.field_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
+        self.field_known = True
+
+    @every("sample_period")
+    def sample(self, noise):
+        field_b = attitude.dcm(self.roll, self.pitch, self.heading).T @ self.field_n
+        measured = magnetometer.sense(
+            field_b, self.hard_iron_b + self.hard_iron_change, self.distortion, self.noise_sigma * noise(3)
+        )
+        self.field.publish(field_b=measured, when=self.field_known)
