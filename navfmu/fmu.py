@@ -257,6 +257,8 @@ def _validated(path: Path, where: str) -> Any:
         return read_model_description(str(path))
     except ValidationError as error:
         problems = list(getattr(error, "problems", None) or [str(error)])
+        if all(problem.endswith("has no start value.") for problem in problems):
+            return read_model_description(str(path), validate=False)  # matters only for inputs that nothing feeds
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise NavfmuError(f"{where}: is not valid: {problems[0]}{more}") from None
     except Exception as error:  # FMPy raises Exception, KeyError, ... on contents it does not expect

@@ -347,7 +347,8 @@ def _check_pair(source: Variable, target: Variable, where: str) -> None:
     if source.unit != target.unit:
         raise NavfmuError(
             f"{where}: '{source.name}' is in {source.unit or 'no unit'}, "
-            f"'{target.name}' in {target.unit or 'no unit'}; a system that other hosts run needs the same unit at both ends"
+            f"'{target.name}' in {target.unit or 'no unit'}; "
+            "a system that other hosts run needs the same unit at both ends"
         )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
+from navfmu.fmu import library_suffix, platforms
+
 UNITS = """
     <Unit name="m"><BaseUnit m="1"/><DisplayUnit name="nmi" factor="0.0005399568034557236"/></Unit>
     <Unit name="ft"><BaseUnit m="1" factor="0.3048"/></Unit>
@@ -45,8 +47,10 @@ def describe(name: str, variables: list[str], **root: str) -> str:
 
 def write(path: Path, description: str, **files: bytes) -> Path:
     """Zip a model description (and other entries) into an FMU file."""
+    identifier = description.partition('modelIdentifier="')[2].partition('"')[0]
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", description)
+        archive.writestr(f"binaries/{platforms()[0]}/{identifier}{library_suffix()}", b"not a library")
         for name, content in files.items():
             archive.writestr(name, content)
     return path

@@ -1,0 +1,390 @@
+"""Reads systems: SSP 1.0 packages, folders and single SSD files, with parameter sets and mappings.
+
+Everything in the documents either takes effect, or is an error, or is listed in ``Structure.ignored``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.ssp.document import MAIN, NAMESPACES, schema
+from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
+from navfmu.units import BASE, Unit
+from navfmu.unpack import content_hash, unpack
+from navfmu.xml import parse, validate
+
+TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
+FMU_TYPE = "application/x-fmu-sharedlibrary"
+
+
+def locate(path: str | Path) -> tuple[Path, Path]:
+    """The folder that holds the documents, and the main SSD, of an .ssp, a folder or an .ssd."""
+    path = Path(path)
+    if path.is_dir():
+        if not (path / MAIN).is_file():
+            raise NavfmuError(f"{path}: the folder has no {MAIN}")
+        return path, path / MAIN
+    if not path.exists():
+        raise NavfmuError(f"{path}: no such file; expected an .ssp, an .ssd or a folder with {MAIN}")
+    if path.suffix.lower() == ".ssd":
+        return path.parent, path
+    folder = unpack(path, "SSP", content_hash(path))
+    if not (folder / MAIN).is_file():
+        raise NavfmuError(f"{path}: has no {MAIN}")
+    return folder, folder / MAIN
+
+
+def variants(path: str | Path) -> list[str]:
+    """Names of the sibling systems beside the main one."""
+    folder, _ = locate(path)
+    return sorted(file.stem for file in folder.glob("*.ssd") if file.name != MAIN)
+
+
+def read(
+    path: str | Path, variant: str | None = None, find: Callable[[str], Path | None] = lambda name: None
+) -> Structure:
+    """Read one variant (the main system without a name); ``find`` locates FMUs that are not beside the documents."""
+    folder, file = locate(path)
+    if variant is not None:
+        known = variants(path)
+        file = folder / f"{variant}.ssd"
+        if variant not in known:
+            have = ", ".join(known) or "none"
+            raise NavfmuError(f"{path}: has no variant '{variant}'{nearest(variant, known)} (it has: {have})")
+    return _Reader(Path(path), folder, file, find).read()
+
+
+class _Reader:
+    def __init__(self, origin: Path, folder: Path, file: Path, find: Callable[[str], Path | None]) -> None:
+        self.origin, self.folder, self.file, self.find = origin, folder, file, find
+        self.ignored: list[str] = []
+        self.notes: list[str] = []
+        self.units: dict[str, Unit] = {}
+
+    def read(self) -> Structure:
+        label = self._label(self.file)
+        root = self._parse(self.file, "SystemStructureDescription", "ssd")
+        if not str(root.get("version", "")).startswith("1."):
+            raise NavfmuError(f"{label}: version is {root.get('version')}, expected 1.0")
+        system = root.find("ssd:System", NAMESPACES)
+        self.units = _units(root.find("ssd:Units", NAMESPACES))
+        self._note_unused(root, system)
+        components = self._components(system)
+        self._system_settings(system, components)
+        connections = self._connections(system, components)
+        stop_time, step = self._experiment(root)
+        return Structure(
+            name=root.get("name") or system.get("name"),
+            description=system.get("description") or root.get("description") or "",
+            file=self.file,
+            origin=self.origin,
+            components=components,
+            connections=connections,
+            stop_time=stop_time,
+            step=step,
+            ignored=self.ignored,
+            notes=self.notes,
+        )
+
+    # -- files -------------------------------------------------------------------------------------------------
+
+    def _label(self, file: Path) -> str:
+        """A document's name for messages: inside a package, the package's name and the entry's."""
+        try:
+            inside = file.relative_to(self.folder).as_posix()
+        except ValueError:
+            return str(file)
+        return f"{self.origin}: {inside}" if self.origin.is_file() and self.origin != file else str(file)
+
+    def _parse(self, file: Path, rules: str, prefix: str) -> Any:
+        label = self._label(file)
+        try:
+            data = file.read_bytes()
+        except OSError as error:
+            raise NavfmuError(f"{label}: cannot be read: {error.strerror or error}") from None
+        root = parse(data, label)
+        expected = {"ssd": "SystemStructureDescription", "ssv": "ParameterSet", "ssm": "ParameterMapping"}[prefix]
+        if root.tag != f"{{{NAMESPACES[prefix]}}}{expected}":
+            raise NavfmuError(f"{label}: expected <{prefix}:{expected}> of SSP 1.0, found <{root.tag}>")
+        validate(root, schema(rules), label)
+        return root
+
+    def _resolve(self, source: str, where: str) -> Path:
+        """A file beside the SSD; nothing outside its folder and nothing from a network."""
+        parts = urlsplit(source)
+        if parts.scheme or parts.netloc or parts.fragment:
+            raise NavfmuError(f"{where}: source '{source}' is not supported, expected a relative path")
+        base = self.file.parent.resolve()
+        path = (base / unquote(parts.path)).resolve()
+        if self.origin.is_file() and self.origin != self.file and not path.is_relative_to(base):
+            raise NavfmuError(f"{where}: source '{source}' lies outside the package")
+        return path
+
+    # -- elements ------------------------------------------------------------------------------------------------
+
+    def _note_unused(self, root: Any, system: Any) -> None:
+        label = self._label(self.file)
+        checks = (
+            (root, "ssd:Enumerations", "enumeration definitions"),
+            (root, "ssd:Annotations", "annotations of the document"),
+            (system, "ssd:Annotations", "annotations of the system"),
+            (system, "ssd:SignalDictionaries", "signal dictionaries"),
+        )
+        for parent, path, what in checks:
+            found = parent.find(path, NAMESPACES)
+            if found is not None:
+                self.ignored.append(f"{label}, line {found.sourceline}: {what}")
+        for connector in system.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
+            self.ignored.append(
+                f"{label}, line {connector.sourceline}: root connector '{connector.get('name')}' "
+                f"({connector.get('kind')}): nothing outside the system uses it"
+            )
+
+    def _components(self, system: Any) -> dict[str, Component]:
+        components: dict[str, Component] = {}
+        elements = system.find("ssd:Elements", NAMESPACES)
+        label = self._label(self.file)
+        for element in elements if elements is not None else ():
+            if not isinstance(element.tag, str):
+                continue  # a comment
+            kind = element.tag.rpartition("}")[2]
+            where = f"{label}, line {element.sourceline}: {kind} '{element.get('name')}'"
+            if kind == "System":
+                raise NavfmuError(f"{where}: nested systems are not supported, expected a flat system of FMUs")
+            if kind == "SignalDictionaryReference":
+                raise NavfmuError(f"{where}: signal dictionaries are not supported, connect the components directly")
+            component = self._component(element, where)
+            if component.name in components:
+                raise NavfmuError(f"{where}: the name is taken by another component")
+            components[component.name] = component
+        if not components:
+            raise NavfmuError(f"{label}: the system has no components")
+        return components
+
+    def _component(self, element: Any, where: str) -> Component:
+        kind = element.get("type", FMU_TYPE)
+        if kind != FMU_TYPE:
+            raise NavfmuError(f"{where}: type '{kind}' is not supported, expected {FMU_TYPE}")
+        if element.get("implementation") == "ModelExchange":
+            raise NavfmuError(f"{where}: asks for model exchange, expected co-simulation")
+        source = element.get("source")
+        path = self._resolve(source, where)
+        if not path.is_file():
+            known = self.find(path.name)
+            if known is None:
+                raise NavfmuError(f"{where}: its FMU '{source}' is missing")
+            self.notes.append(f"{element.get('name')}: '{source}' is not beside the document; {known} is used")
+            path = known
+        for annotation in element.iterfind("ssd:Annotations/ssc:Annotation", NAMESPACES):
+            self.ignored.append(f"{where}: annotation '{annotation.get('type')}'")
+        connectors = {}
+        for item in element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
+            connector = self._connector(item, where)
+            connectors[connector.name] = connector
+        settings = [
+            setting
+            for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES)
+            for setting in self._binding(binding, path)
+        ]
+        return Component(element.get("name"), path, connectors, settings, where, element.get("description") or "")
+
+    def _connector(self, item: Any, where: str) -> Connector:
+        name, kind, unit = item.get("name"), None, None
+        for candidate in TYPES:
+            found = item.find(f"ssc:{candidate}", NAMESPACES)
+            if found is not None:
+                kind = candidate
+                unit = self._unit(found.get("unit"), f"{where}, connector '{name}'")
+        return Connector(name, item.get("kind"), kind, unit)
+
+    def _unit(self, name: str | None, where: str) -> Unit | None:
+        if not name:
+            return None
+        return self.units.get(name) or Unit(name)
+
+    # -- connections ---------------------------------------------------------------------------------------------
+
+    def _connections(self, system: Any, components: dict[str, Component]) -> list[Connection]:
+        connections: list[Connection] = []
+        taken: dict[tuple[str, str], str] = {}
+        label = self._label(self.file)
+        for element in system.iterfind("ssd:Connections/ssd:Connection", NAMESPACES):
+            where = f"{label}, line {element.sourceline}: connection"
+            if element.get("startElement") is None or element.get("endElement") is None:
+                self.ignored.append(f"{where} of a root connector")
+                continue
+            ends = [self._end(element, which, components, where) for which in ("start", "end")]
+            if ends[0][2] == "input" and ends[1][2] == "output":
+                ends.reverse()  # SSP 1.0 does not say which end is the source; the kinds do
+            start, end = (ends[0][:2], ends[1][:2])
+            if end in taken:
+                raise NavfmuError(f"{where}: '{'.'.join(end)}' has two sources; the other one is in {taken[end]}")
+            taken[end] = f"line {element.sourceline}"
+            factor, offset = _linear(element, where)
+            convert = element.get("suppressUnitConversion") not in ("true", "1")
+            connections.append(Connection(start, end, factor, offset, convert, where))
+        return connections
+
+    def _end(self, element: Any, which: str, components: dict[str, Component], where: str) -> tuple[str, str, str]:
+        component, name = element.get(f"{which}Element"), element.get(f"{which}Connector")
+        if component not in components:
+            raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, components)}")
+        connectors = components[component].connectors
+        if name not in connectors:
+            raise NavfmuError(f"{where}: component '{component}' has no connector '{name}'{nearest(name, connectors)}")
+        return component, name, connectors[name].kind
+
+    # -- values --------------------------------------------------------------------------------------------------
+
+    def _system_settings(self, system: Any, components: dict[str, Component]) -> None:
+        """Bindings of the system reach components as "component.variable" and win over theirs."""
+        for binding in system.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
+            for setting in self._binding(binding, None):
+                component, _, name = setting.name.partition(".")
+                if component not in components or not name:
+                    self.ignored.append(f"{setting.where}: parameter '{setting.name}' matches no component")
+                    continue
+                components[component].settings.append(
+                    Setting(name, setting.type, setting.value, setting.unit, setting.where)
+                )
+
+    def _binding(self, binding: Any, component: Path | None) -> list[Setting]:
+        where = f"{self._label(self.file)}, line {binding.sourceline}: parameter binding"
+        kind = binding.get("type", "application/x-ssp-parameter-set")
+        if kind != "application/x-ssp-parameter-set":
+            raise NavfmuError(f"{where}: type '{kind}' is not supported, expected application/x-ssp-parameter-set")
+        if binding.get("sourceBase") == "component":
+            raise NavfmuError(f"{where}: sourceBase 'component' is not supported, expected 'SSD'")
+        inline = binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
+        if binding.get("source"):
+            file = self._resolve(binding.get("source"), where)
+            if not file.is_file():
+                raise NavfmuError(f"{where}: its parameter set '{binding.get('source')}' is missing")
+            root, label = self._parse(file, "SystemStructureParameterValues", "ssv"), self._label(file)
+        elif inline is not None:
+            root, label = inline, self._label(self.file)
+            validate(root, schema("SystemStructureParameterValues"), label)
+        else:
+            raise NavfmuError(f"{where}: has neither a source nor inline values")
+        settings = self._settings(root, label, binding.get("prefix") or "")
+        mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
+        return settings if mapping is None else self._mapped(settings, mapping, where)
+
+    def _settings(self, root: Any, label: str, prefix: str) -> list[Setting]:
+        units = _units(root.find("ssv:Units", NAMESPACES))
+        settings = []
+        for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
+            where = f"{label}, line {parameter.sourceline}"
+            name = prefix + parameter.get("name")
+            value = next(child for child in parameter if isinstance(child.tag, str))
+            kind = value.tag.rpartition("}")[2]
+            if kind == "Binary":
+                raise NavfmuError(f"{where}: parameter '{name}' is Binary, which is not supported")
+            unit = value.get("unit")
+            definition = (units.get(unit) or self.units.get(unit) or Unit(unit)) if unit else None
+            settings.append(Setting(name, kind, _typed(kind, value.get("value")), definition, where))
+        return settings
+
+    def _mapped(self, settings: list[Setting], element: Any, where: str) -> list[Setting]:
+        inline = element.find("ssm:ParameterMapping", NAMESPACES)
+        if element.get("source"):
+            file = self._resolve(element.get("source"), where)
+            if not file.is_file():
+                raise NavfmuError(f"{where}: its parameter mapping '{element.get('source')}' is missing")
+            root, label = self._parse(file, "SystemStructureParameterMapping", "ssm"), self._label(file)
+        elif inline is not None:
+            root, label = inline, self._label(self.file)
+            validate(root, schema("SystemStructureParameterMapping"), label)
+        else:
+            raise NavfmuError(f"{where}: its parameter mapping has neither a source nor inline entries")
+        by_name = {setting.name: setting for setting in settings}
+        mapped, used = [], set()
+        for entry in root.iterfind("ssm:MappingEntry", NAMESPACES):
+            source, place = entry.get("source"), f"{label}, line {entry.sourceline}"
+            if source not in by_name:
+                self.ignored.append(f"{place}: mapping of '{source}', which the parameter set does not have")
+                continue
+            used.add(source)
+            mapped.append(_map(by_name[source], entry, place))
+        for name in by_name.keys() - used:
+            self.ignored.append(f"{by_name[name].where}: parameter '{name}' is not in the mapping")
+        self.ignored.sort()
+        return mapped
+
+    def _experiment(self, root: Any) -> tuple[float | None, float | None]:
+        experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
+        if experiment is None:
+            return None, None
+        stop = experiment.get("stopTime")
+        if float(experiment.get("startTime", 0.0)) != 0.0:
+            where = f"{self._label(self.file)}, line {experiment.sourceline}"
+            self.ignored.append(f"{where}: startTime {experiment.get('startTime')}: runs start at 0 s")
+        algorithm = experiment.find(".//osp:FixedStepAlgorithm", NAMESPACES)
+        step = algorithm.get("baseStepSize") if algorithm is not None else None
+        try:
+            return (float(stop) if stop else None), (float(step) if step else None)
+        except ValueError:
+            raise NavfmuError(f"{self._label(self.file)}: baseStepSize '{step}' is not a number") from None
+
+
+def _units(element: Any) -> dict[str, Unit]:
+    units: dict[str, Unit] = {}
+    for unit in element.iterfind("ssc:Unit", NAMESPACES) if element is not None else ():
+        base = unit.find("ssc:BaseUnit", NAMESPACES)
+        exponents = tuple(int(base.get(name, 0)) for name in BASE)
+        name = unit.get("name")
+        units[name] = Unit(name, exponents, float(base.get("factor", 1.0)), float(base.get("offset", 0.0)))
+    return units
+
+
+def _typed(kind: str, text: str) -> float | int | bool | str:
+    if kind == "Real":
+        return float(text)
+    if kind == "Integer":
+        return int(text)
+    if kind == "Boolean":
+        return text.strip() in ("true", "1")
+    return text
+
+
+def _transformation(element: Any) -> tuple[str, Any] | None:
+    for name in ("Linear", "BooleanMapping", "IntegerMapping", "EnumerationMapping"):
+        found = element.find(f"ssc:{name}Transformation", NAMESPACES)
+        if found is not None:
+            return name, found
+    return None
+
+
+def _linear(element: Any, where: str) -> tuple[float, float]:
+    found = _transformation(element)
+    if found is None:
+        return 1.0, 0.0
+    if found[0] != "Linear":
+        raise NavfmuError(f"{where}: {found[0]}Transformation is not supported on a connection")
+    return float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
+
+
+def _map(setting: Setting, entry: Any, where: str) -> Setting:
+    found, value = _transformation(entry), setting.value
+    unit = None if entry.get("suppressUnitConversion") in ("true", "1") else setting.unit
+    if found is not None and found[0] == "Linear":
+        if setting.type not in ("Real", "Integer"):
+            raise NavfmuError(f"{where}: a LinearTransformation needs a number, '{setting.name}' is {setting.type}")
+        factor, offset = float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
+        return Setting(entry.get("target"), setting.type, value, unit, where, factor, offset)
+    if found is not None and found[0] in ("BooleanMapping", "IntegerMapping"):
+        kind = found[0].removesuffix("Mapping")
+        table = {
+            _typed(kind, item.get("source")): _typed(kind, item.get("target"))
+            for item in found[1].iterfind("ssc:MapEntry", NAMESPACES)
+        }
+        if value not in table:
+            raise NavfmuError(f"{where}: the value {value} of '{setting.name}' has no entry in its {found[0]}")
+        value = table[value]
+    elif found is not None:
+        raise NavfmuError(f"{where}: {found[0]}Transformation is not supported")
+    return Setting(entry.get("target"), setting.type, value, unit, where)

@@ -1,0 +1,188 @@
+"""FMU files: safe unpacking, the cached description, and a sentence for every way a file can be wrong."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from navfmu import fmu, unpack
+from navfmu.errors import NavfmuError
+
+from . import fmus
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("NAVFMU_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(fmu, "_memory", {})
+    return tmp_path / "cache"
+
+
+def test_the_description_says_what_the_xml_says(tmp_path):
+    about = fmu.describe(fmus.sensor(tmp_path))
+    assert about.model_name == "sensor" and about.guid == "{1}"
+    bias = about.by_name["bias[2]"]
+    assert (bias.causality, bias.unit, bias.min, bias.max, bias.start) == ("parameter", "rad/s", 0.0, 1.0, 0.0)
+    assert about.by_name["aligned"].start is False and about.by_name["seed"].start == 1
+    assert about.units["ft"].factor == 0.3048 and about.units["rad/s"].exponents == (0, 0, -1, 0, 0, 0, 0, 1)
+    assert about.display_units["m"]["nmi"] == (0.0005399568034557236, 0.0)
+
+
+def test_a_second_load_reads_the_cache_and_imports_neither_fmpy_nor_lxml(tmp_path):
+    file = fmus.sensor(tmp_path)
+    first = fmu.load(file)
+    script = (
+        "import sys, json; from navfmu import fmu; f = fmu.load(sys.argv[1]);"
+        "print(json.dumps([len(f.description.variables), 'fmpy' in sys.modules, 'lxml' in sys.modules]))"
+    )
+    out = subprocess.run([sys.executable, "-c", script, str(file)], capture_output=True, text=True, check=True).stdout
+    assert json.loads(out) == [len(first.description.variables), False, False]
+
+
+def test_a_cached_load_takes_about_a_millisecond(tmp_path, monkeypatch):
+    file = fmus.sensor(tmp_path)
+    fmu.load(file)
+    durations = []
+    for _ in range(20):
+        monkeypatch.setattr(fmu, "_memory", {})
+        start = time.perf_counter()
+        fmu.load(file)
+        durations.append(time.perf_counter() - start)
+    assert min(durations) < 0.005
+
+
+def test_a_damaged_cached_description_is_read_anew(tmp_path, cache):
+    file = fmus.sensor(tmp_path)
+    first = fmu.describe(file)
+    for cached in cache.glob("fmu/*.json"):
+        cached.write_text("{")
+    assert fmu.describe(file).variables == first.variables
+
+
+def test_only_what_this_machine_needs_is_unpacked(tmp_path):
+    file = fmus.sensor(tmp_path)
+    with zipfile.ZipFile(file, "a") as archive:
+        for name in ("binaries/vax/sensor.exe", "sources/a.c", "documentation/index.html", "resources/table.csv"):
+            archive.writestr(name, "x")
+    folder = fmu.load(file).folder
+    assert (folder / "resources" / "table.csv").is_file()
+    assert not (folder / "binaries" / "vax").exists() and not (folder / "sources").exists()
+
+
+def test_many_threads_unpack_one_archive_at_once(tmp_path):
+    file = fmus.sensor(tmp_path)
+    digest = unpack.content_hash(file)
+    with ThreadPoolExecutor(8) as pool:
+        folders = set(pool.map(lambda _: unpack.unpack(file, "FMU", digest), range(32)))
+    assert len(folders) == 1 and (folders.pop() / "modelDescription.xml").is_file()
+    assert not list((tmp_path / "cache" / "fmu").glob(".*"))
+
+
+def archive_with(path, *entries):
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry in entries:
+            archive.writestr(entry, b"x")
+    return path
+
+
+def link(name):
+    entry = zipfile.ZipInfo(name)
+    entry.create_system = 3
+    entry.external_attr = 0o120777 << 16
+    return entry
+
+
+@pytest.mark.parametrize(
+    ("entries", "sentence"),
+    [
+        (["../evil"], "would be written outside its folder"),
+        (["a/../../evil"], "would be written outside its folder"),
+        (["/etc/evil"], "would be written outside its folder"),
+        (["C:/evil"], "would be written outside its folder"),
+        (["..\\evil"], "would be written outside its folder"),
+        ([link("resources/link")], "is a symbolic link"),
+        (["a", "A"], "appears twice"),
+    ],
+)
+def test_a_hostile_archive_is_refused_and_leaves_nothing_behind(tmp_path, cache, entries, sentence):
+    file = archive_with(tmp_path / "x.fmu", *entries)
+    with pytest.raises(NavfmuError, match=sentence):
+        unpack.unpack(file, "FMU", unpack.content_hash(file))
+    assert not (tmp_path / "evil").exists() and not list(cache.glob("fmu/*"))
+
+
+def test_a_decompression_bomb_is_refused(tmp_path, cache, monkeypatch):
+    monkeypatch.setattr(unpack, "MAX_BYTES", 1_000_000)
+    with zipfile.ZipFile(tmp_path / "x.fmu", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("big", b"0" * 2_000_000)
+    with pytest.raises(NavfmuError, match="at most 1000000 are accepted"):
+        unpack.unpack(tmp_path / "x.fmu", "FMU", "0" * 64)
+    assert not list(cache.glob("fmu/*"))
+
+
+def test_too_many_entries_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(unpack, "MAX_FILES", 3)
+    with pytest.raises(NavfmuError, match="holds 4 entries"):
+        unpack.unpack(archive_with(tmp_path / "x.fmu", *"abcd"), "FMU", "0" * 64)
+
+
+def corrupt(path):
+    """An archive whose directory is whole and whose data are not."""
+    data = bytearray(path.read_bytes())
+    start = data.index(b"<?xml")
+    data[start : start + 200] = bytes(200)
+    path.write_bytes(data)
+    return path
+
+
+def broken(folder, name, change):
+    description = fmus.describe("broken", [fmus.variable("x", "parameter", reference=1)])
+    return fmus.write(folder / name, change(description))
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda f: f / "none.fmu", "none.fmu: no such file"),
+        (lambda f: f, "cannot be read"),
+        (lambda f: (f / "t.fmu").write_text("hello") and f / "t.fmu", "is not an FMU"),
+        (lambda f: archive_with(f / "e.fmu", "a"), "has no modelDescription.xml"),
+        (lambda f: corrupt(fmus.sensor(f)), "modelDescription.xml is corrupt"),
+        (lambda f: broken(f, "x.fmu", lambda d: d[:200]), "is not well-formed XML"),
+        (
+            lambda f: broken(f, "x.fmu", lambda d: d.replace("fmiModelDescription", "root")),
+            "is not a model description",
+        ),
+        (lambda f: broken(f, "x.fmu", lambda d: d.replace('fmiVersion="2.0"', 'fmiVersion="1.0"')), "is for FMI 1.0"),
+        (lambda f: broken(f, "x.fmu", lambda d: d.replace("CoSimulation", "ModelExchange")), "model exchange only"),
+        (lambda f: broken(f, "x.fmu", lambda d: d.replace("<ModelStructure>", "<Wrong/><ModelStructure>")), "Wrong"),
+        (
+            lambda f: broken(f, "x.fmu", lambda d: d.replace('modelIdentifier="broken"', 'modelIdentifier="../x"')),
+            "is not an identifier",
+        ),
+        (
+            lambda f: broken(f, "x.fmu", lambda d: d.replace("?>", '?><!DOCTYPE a [<!ENTITY b "c">]>', 1)),
+            "document type declaration",
+        ),
+    ],
+)
+def test_a_bad_file_is_answered_by_a_sentence_that_names_it(tmp_path, make, sentence):
+    file = make(tmp_path)
+    with pytest.raises(NavfmuError) as error:
+        fmu.load(file)
+    assert sentence in str(error.value) and str(file) in str(error.value)
+
+
+def test_an_fmu_without_a_binary_for_this_machine_says_which_it_has(tmp_path):
+    file = tmp_path / "vax.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", fmus.describe("vax", [fmus.variable("x", "parameter", reference=1)]))
+        archive.writestr("binaries/vms/vax.exe", b"x")
+    with pytest.raises(NavfmuError, match=r"no binary for this machine .*; it has: vms"):
+        fmu.load(file)
