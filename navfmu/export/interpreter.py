@@ -164,7 +164,7 @@ class Interpreter:
         return np.array([convert(x) for x in self.values[index : index + math.prod(shape)]]).reshape(shape)
 
     def set(self, name: str | int, value: Any) -> None:
-        """Set an input, a parameter or (before initialisation ends) another start value."""
+        """Set an input or a parameter, or before initialisation ends the start value of an output."""
         index, shape = self._indices(name)
         self._undo_preview()
         numbers = np.ravel(np.broadcast_to(np.asarray(value, float), shape))
@@ -182,12 +182,12 @@ class Interpreter:
 
     def _check_settable(self, i: int) -> None:
         variable = self.variables[i]
-        tunable = variable.causality == "input" or variable.variability == "tunable"
         if self.phase == TERMINATED:
             why = "nothing can be set then"
-        elif self.phase == STEPPING and not tunable:
-            fixed = variable.causality == "parameter" or variable.initial == "exact"
-            why = "it is fixed once initialisation has ended" if fixed else "it is calculated"
+        elif variable.causality == "local":
+            why = "it is calculated"
+        elif self.phase == STEPPING and variable.causality != "input" and variable.variability != "tunable":
+            why = "it is fixed once initialisation has ended"
         else:
             return
         raise NavfmuError(f"Variable '{variable.name}' cannot be set {_PHASES[self.phase]}: {why}.")

@@ -784,6 +784,17 @@ def expressions(array: Any) -> list[ca.SX]:
 
 
 @contextmanager
+def as_written() -> Iterator[None]:
+    """Keep CasADi from rewriting expressions that are made meanwhile (it would turn (x + y) - y into x)."""
+    rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
+    try:
+        ca.GlobalOptions.setSimplificationOnTheFly(False)
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
+
+
+@contextmanager
 def tracing() -> Iterator[None]:
     """While tracing, ``np.array`` and its kin return traced arrays, and CasADi does not rewrite expressions."""
     originals = {name: getattr(np, name) for name in ("array", "asarray", "asanyarray", "ascontiguousarray", "full")}
@@ -804,13 +815,11 @@ def tracing() -> Iterator[None]:
             return np.broadcast_to(np.asarray(fill_value), shape).copy()
         return originals["full"](shape, fill_value, *args, **kwargs)
 
-    rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
     try:
-        ca.GlobalOptions.setSimplificationOnTheFly(False)
         for name in originals:
             setattr(np, name, full if name == "full" else replaced(name))
-        yield
+        with as_written():
+            yield
     finally:
         for name, original in originals.items():
             setattr(np, name, original)
-        ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
