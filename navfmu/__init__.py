@@ -7,7 +7,8 @@ from navfmu.errors import NavfmuError
 if TYPE_CHECKING:
     from navfmu.system import System
 
-__all__ = ["NavfmuError", "System"]
+__all__ = ["NavfmuError", "System", "__version__"]
+__version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,243 @@
+"""From the lowered model to its C source: the tasks as CasADi wrote them, and tables of constants around them."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+import casadi as ca
+
+from navfmu.errors import NavfmuError
+from navfmu.export import ir, trace
+
+#: Arguments of a task's function, in order (a check takes the first alone).
+ARGUMENTS = ("v", "noise", "clock", "rows")
+
+
+def generate(model: ir.Model, guid: str) -> str:
+    """Return ``model.c``: everything that the generic runtime needs to know about ``model``."""
+    return "\n".join(_source(model, guid)) + "\n"
+
+
+def clocks(model: ir.Model) -> list[int]:
+    """Return the indices in ``v`` of the distinct periods that drive the model."""
+    return list(dict.fromkeys(task.period for task in model.tasks if task.period is not None))
+
+
+def continuous_inputs(model: ir.Model) -> list[int]:
+    """Return the indices of the inputs that may have a derivative."""
+    return [v.index for v in model.variables if is_continuous_input(v)]
+
+
+def is_continuous_input(variable: ir.Variable) -> bool:
+    """Return whether a host may set a derivative of this variable."""
+    return variable.causality == "input" and variable.type == "Real" and variable.variability == "continuous"
+
+
+def table_header(table: ir.Table) -> str:
+    """Return the first line of a table's file, ``time (s),latitude (rad)``."""
+    return ",".join(f"{name} ({unit})" for name, unit in zip(table.columns, table.units, strict=True))
+
+
+def table_text(table: ir.Table) -> str:
+    """Return a table's file; numbers have the shortest form that reads back as the same bits."""
+    rows = (",".join(repr(float(value)) for value in row) for row in table.rows)
+    return "\n".join([table_header(table), *rows]) + "\n"
+
+
+def _check(model: ir.Model) -> None:
+    """Refuse a model that the runtime cannot run."""
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
+        raise NavfmuError(f"component '{model.name}': expected a name of letters, digits and underscores")
+    if [v.index for v in model.variables] != list(range(len(model.variables))):
+        raise NavfmuError(f"component '{model.name}': the variables are not numbered from 0")
+    names = [v.name for v in model.variables]
+    for name in names:
+        if names.count(name) > 1:
+            raise NavfmuError(f"component '{model.name}': two variables are named '{name}'")
+    if len(clocks(model)) > 64:
+        raise NavfmuError(f"component '{model.name}' has {len(clocks(model))} clocks; expected at most 64")
+    for index in clocks(model):
+        if model.variables[index].variability != "fixed":
+            raise NavfmuError(
+                f"component '{model.name}': the period '{model.variables[index].name}' must be a fixed parameter"
+            )
+    if any(task.normals for task in model.tasks) and (model.seed is None or model.stream is None):
+        raise NavfmuError(f"component '{model.name}' takes noise but has no parameters 'seed' and 'stream'")
+
+
+def _source(model: ir.Model, guid: str) -> Iterable[str]:
+    _check(model)
+    periods = clocks(model)
+    functions: list[ca.Function] = []
+    yield f"/* The model {model.name}, generated from its equations. */"
+    yield '#include "model.h"'
+    yield ""
+    yield "#include <math.h>"
+    yield ""
+    tasks = [_rename(task.function, f"task_{i}", functions) for i, task in enumerate(model.tasks)]
+    checks = [_rename(check.function, f"check_{i}", functions) for i, check in enumerate(model.checks)]
+    yield _casadi(functions)
+
+    yield from _array(
+        "Variable",
+        "variables",
+        (
+            f"{{{_text(v.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {_number(v.start)}, "
+            f"{_number(-math.inf if v.min is None else v.min)}, {_number(math.inf if v.max is None else v.max)}, "
+            f"{int(v.causality == 'parameter')}}}"
+            for v in model.variables
+        ),
+    )
+    yield from _array("unsigned char", "access", (_access(v) for v in model.variables))
+    inputs = continuous_inputs(model)
+    yield from _array("int", "inputs", inputs)
+    slots = {index: slot for slot, index in enumerate(inputs)}
+    yield from _array("int", "input_slot", (slots.get(v.index, -1) for v in model.variables))
+    yield from _array("int", "clocks", periods)
+    for i, task in enumerate(model.tasks):
+        yield from _array("int", f"targets_{i}", task.targets)
+    yield from _array("Task", "tasks", (_task(i, task, tasks[i], periods) for i, task in enumerate(model.tasks)))
+    messages = []
+    for i, check in enumerate(model.checks):
+        message, values = _message(check)
+        yield from _array("int", f"values_{i}", values)
+        messages.append(f"{{{checks[i]}, {_text(message)}, values_{i}}}")
+    yield from _array("Check", "checks", messages)
+    yield from _array(
+        "TableInfo",
+        "tables",
+        (f"{{{_text(t.name + '.csv')}, {_text(table_header(t))}, {len(t.columns)}}}" for t in model.tables),
+    )
+
+    def most(values: Iterable[int]) -> int:
+        return max(values, default=0)
+
+    fields = {
+        "identifier": _text(model.name),
+        "guid": _text(guid),
+        "variable_count": len(model.variables),
+        "access": "access",
+        "variables": "variables",
+        "task_count": len(model.tasks),
+        "tasks": "tasks",
+        "check_count": len(model.checks),
+        "checks": "checks",
+        "clock_count": len(periods),
+        "clocks": "clocks",
+        "table_count": len(model.tables),
+        "tables": "tables",
+        "input_count": len(inputs),
+        "inputs": "inputs",
+        "input_slot": "input_slot",
+        "seed": -1 if model.seed is None else model.seed,
+        "stream": -1 if model.stream is None else model.stream,
+        "has_calculated": int(any(v.initial == "calculated" and v.causality == "output" for v in model.variables)),
+        "most_normals": most(task.normals for task in model.tasks),
+        "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),
+        "row_values": sum(2 * len(table.columns) for table in model.tables),
+        "size_arg": most(f.sz_arg() for f in functions),
+        "size_res": most(f.sz_res() for f in functions),
+        "size_iw": most(f.sz_iw() for f in functions),
+        "size_w": most(f.sz_w() for f in functions),
+    }
+    yield "const Model model = {"
+    yield from (f"    .{name} = {value}," for name, value in fields.items())
+    yield "};"
+
+
+def _rename(function: ca.Function, name: str, functions: list[ca.Function]) -> str:
+    """Add to ``functions`` the same function over scalars, under a name that cannot clash; return the name."""
+    inputs = [ca.SX.sym(ARGUMENTS[i], function.sparsity_in(i)) for i in range(function.n_in())]
+    with trace.as_written():
+        functions.append(ca.Function(name, inputs, [ca.densify(function(*inputs))]))
+    return name
+
+
+def _casadi(functions: Sequence[ca.Function]) -> str:
+    """Return the C code of the functions, without CasADi's functions for inspection and its checks for null pointers.
+
+    (The runtime passes every argument and result, always.)
+    """
+    if not functions:
+        return ""
+    generator = ca.CodeGenerator("model", {"with_header": False})
+    for function in functions:
+        generator.add(function)
+    text = generator.dump()
+    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0;", r"arg[\1][\2];", text)
+    text = re.sub(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=", r"res[\1][\2]=", text)
+    names = "|".join(f.name() for f in functions)
+    kept = []
+    for block in re.split(r"\n\n+", text):
+        if re.match(rf"CASADI_SYMBOL_EXPORT [^(]*?\b(?:{names})\(", block):
+            kept.append(block.replace("CASADI_SYMBOL_EXPORT", "static", 1))
+        elif "CASADI_SYMBOL_EXPORT" not in block and not re.match(r"static const casadi_int casadi_s\d", block):
+            kept.append(re.sub(r"^casadi_real casadi_", "static casadi_real casadi_", block.strip("\n"), flags=re.M))
+    return "\n\n".join(kept) + "\n"
+
+
+def _task(i: int, task: ir.Task, function: str, periods: list[int]) -> str:
+    kind = {"start": "ON_START", "every": "ON_CLOCK", "on_new": "ON_NEW"}[task.kind]
+    clock = 0 if task.period is None else periods.index(task.period)
+
+    def place(index: int | None) -> int:
+        return -1 if index is None else index
+
+    return (
+        f"{{{_text(task.name)}, {kind}, {function}, {task.normals}, UINT64_C({task.stream}), {clock}, "
+        f"{place(task.sequence)}, {place(task.time_of_validity)}, {place(task.lost)}, "
+        f"{len(task.targets)}, targets_{i}}}"
+    )
+
+
+def _access(variable: ir.Variable) -> str:
+    """Return the type and when the variable may be set, as section 4.2.4 of FMI 2.0 says."""
+    bits = [variable.type.upper()]
+    if variable.causality == "input":
+        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION", "SET_STEP"]
+    elif variable.initial == "exact" and variable.causality != "local":
+        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION"]
+        if variable.causality == "parameter" and variable.variability == "tunable":
+            bits += ["SET_STEP", "TUNABLE"]
+    return " | ".join(bits)
+
+
+def _message(check: ir.Check) -> tuple[str, list[int]]:
+    """Return the message with each ``{name}`` replaced by ``{}``, and the indices of the values in their order."""
+    known = dict(check.names)
+    values = []
+
+    def replace(match: re.Match[str]) -> str:
+        if match[1] not in known:
+            return match[0]
+        values.append(known[match[1]])
+        return "{}"
+
+    return re.sub(r"\{([^{}]+)\}", replace, check.message), values
+
+
+def _array(kind: str, name: str, items: Iterable[object]) -> Iterable[str]:
+    """Yield the definition of a constant array; C has none of length 0, so an empty one gets one zero element."""
+    lines = [f"    {item}," for item in items]
+    yield f"static const {kind} {name}[] = {{"
+    yield from lines or ["    {0},"] if kind[0].isupper() else lines or ["    0,"]
+    yield "};"
+    yield ""
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    if math.isnan(value):
+        return "NAN"
+    return repr(float(value))
+
+
+def _text(text: str) -> str:
+    """Return a C string of the text in UTF-8."""
+    if text.isascii():
+        return json.dumps(text).replace("\\u007f", "\\177").replace("??", "?\\?")
+    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else f"\\{b:03o}" for b in text.encode()) + '"'

@@ -1,0 +1,279 @@
+"""modelDescription.xml of FMI 2.0: everything a host shows and checks, from the lowered model alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from xml.sax.saxutils import quoteattr
+
+from navfmu import __version__
+from navfmu.errors import NavfmuError, nearest
+from navfmu.export import ir
+from navfmu.export.codegen import clocks, continuous_inputs
+
+#: Units of variables: exponents of the base units (factor 1: everything is SI).
+UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "s": {"s": 1},
+    "1/s": {"s": -1},
+    "s2": {"s": 2},
+    "Hz": {"s": -1},
+    "m": {"m": 1},
+    "m2": {"m": 2},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "m/s3": {"m": 1, "s": -3},
+    "m2/s2": {"m": 2, "s": -2},
+    "1/m": {"m": -1},
+    "s/m": {"m": -1, "s": 1},
+    "s2/m": {"m": -1, "s": 2},
+    "rad": {"rad": 1},
+    "rad2": {"rad": 2},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "rad/m": {"rad": 1, "m": -1},
+    "rad2/s2": {"rad": 2, "s": -2},
+    "1/rad": {"rad": -1},
+    "s/rad": {"rad": -1, "s": 1},
+    "kg": {"kg": 1},
+    "kg/m3": {"kg": 1, "m": -3},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "Pa/s": {"kg": 1, "m": -1, "s": -3},
+    "T": {"kg": 1, "s": -2, "A": -1},
+    "T/s": {"kg": 1, "s": -3, "A": -1},
+    "A": {"A": 1},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "K": {"K": 1},
+    "K/m": {"K": 1, "m": -1},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "m2/s3": {"m": 2, "s": -3},
+}
+
+_DEGREE = 57.29577951308232
+#: Units that a host may show instead: displayed value = factor * value + offset.
+DISPLAY_UNITS: dict[str, dict[str, tuple[float, float]]] = {
+    "1": {"%": (100.0, 0.0), "ppm": (1e6, 0.0), "a": (1.0, 0.0)},
+    "s": {"ms": (1e3, 0.0), "min": (1 / 60, 0.0), "h": (1 / 3600, 0.0)},
+    "m": {"km": (1e-3, 0.0), "mm": (1e3, 0.0), "ft": (1 / 0.3048, 0.0), "nmi": (1 / 1852, 0.0)},
+    "m/s": {"kn": (3600 / 1852, 0.0), "km/h": (3.6, 0.0), "ft/min": (60 / 0.3048, 0.0)},
+    "m/s2": {"g": (1 / 9.80665, 0.0), "mg": (1e3 / 9.80665, 0.0)},
+    "rad": {"deg": (_DEGREE, 0.0), "arcmin": (60 * _DEGREE, 0.0)},
+    "rad/s": {"deg/s": (_DEGREE, 0.0), "deg/h": (3600 * _DEGREE, 0.0), "deg/min": (60 * _DEGREE, 0.0)},
+    "rad/s2": {"deg/s2": (_DEGREE, 0.0)},
+    "Pa": {"hPa": (1e-2, 0.0), "inHg": (1 / 3386.389, 0.0)},
+    "T": {"uT": (1e6, 0.0), "nT": (1e9, 0.0), "mG": (1e7, 0.0), "G": (1e4, 0.0)},
+    "K": {"degC": (1.0, -273.15)},
+    "V": {"mV": (1e3, 0.0)},
+}
+
+_HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
+#: Log categories of the runtime.
+CATEGORIES = {
+    "logEvents": "What happens inside, such as lost samples",
+    "logStatusWarning": "Warnings",
+    "logStatusError": "Why a call was refused; logged even when logging is off",
+    "logAll": "All of these",
+}
+
+
+def describe(
+    model: ir.Model,
+    guid: str,
+    *,
+    sources: Sequence[str] = (),
+    model_identifier: str | None = None,
+    needs_execution_tool: bool = False,
+    can_interpolate_inputs: bool = True,
+) -> str:
+    """Return modelDescription.xml of ``model``.
+
+    The options are what a Python twin has otherwise: it needs a Python (``needs_execution_tool``), does not
+    interpolate its inputs, and has no C ``sources``.
+    """
+    return "\n".join(
+        _lines(model, guid, sources, model_identifier or model.name, needs_execution_tool, can_interpolate_inputs)
+    )
+
+
+def check_units(model: ir.Model) -> None:
+    """Raise when a unit is not in :data:`UNITS` or a display unit does not belong to it."""
+    for variable in model.variables:
+        where = f"component '{model.name}', variable '{variable.name}'"
+        unit, display = variable.unit, variable.display_unit
+        if unit is not None and unit not in UNITS:
+            raise NavfmuError(f"{where}: unknown unit '{unit}'; expected an SI unit{nearest(unit, UNITS)}")
+        if display is not None and display != unit and display not in DISPLAY_UNITS.get(unit or "", {}):
+            known = DISPLAY_UNITS.get(unit or "", {})
+            raise NavfmuError(
+                f"{where}: unit '{unit}' cannot be displayed as '{display}'; "
+                f"expected one of {', '.join([*known]) or 'no display unit'}{nearest(display, known)}"
+            )
+
+
+def display(variable: ir.Variable, value: float) -> tuple[float, str]:
+    """Return a value in the variable's display unit, and that unit's name ("" for none)."""
+    factor, offset = DISPLAY_UNITS.get(variable.unit or "", {}).get(variable.display_unit or "", (1.0, 0.0))
+    unit = variable.display_unit or variable.unit or ""
+    return factor * value + offset, "" if unit == "1" else unit
+
+
+def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
+    """Return the outputs calculated in initialisation, each with the variables that it depends on (indices in v)."""
+    depends = {
+        v.index: {v.index} if v.causality in ("input", "parameter") or v.initial == "exact" else set()
+        for v in model.variables
+    }
+    for task in model.tasks:
+        if task.kind != "start":
+            continue
+        rows, columns = task.function.jac_sparsity(0, 0).get_triplet()
+        found: list[set[int]] = [set() for _ in task.targets]
+        for row, column in zip(rows, columns, strict=True):
+            found[row] |= depends[column]
+        depends.update(zip(task.targets, found, strict=True))
+    known = {v.index for v in model.variables if v.causality in ("input", "parameter")}
+    return [
+        (v.index, tuple(sorted(depends[v.index] & known)))
+        for v in model.variables
+        if v.causality == "output" and v.initial == "calculated"
+    ]
+
+
+def _lines(
+    model: ir.Model, guid: str, sources: Sequence[str], identifier: str, needs_tool: bool, interpolate: bool
+) -> Iterable[str]:
+    check_units(model)
+    yield _HEAD
+    yield _tag(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "2.0",
+            "modelName": model.name,
+            "guid": guid,
+            "description": _one_line(model.description),
+            "generationTool": f"navfmu {__version__}",
+            "variableNamingConvention": "structured",
+            "numberOfEventIndicators": 0,
+        },
+    )
+    capabilities = {
+        "modelIdentifier": identifier,
+        "needsExecutionTool": needs_tool,
+        "canHandleVariableCommunicationStepSize": True,
+        "canInterpolateInputs": bool(interpolate and continuous_inputs(model)),
+        "maxOutputDerivativeOrder": 0,
+        "canRunAsynchronuously": False,
+        "canBeInstantiatedOnlyOncePerProcess": False,
+        "canNotUseMemoryManagementFunctions": True,
+        "canGetAndSetFMUstate": True,
+        "canSerializeFMUstate": True,
+        "providesDirectionalDerivative": False,
+    }
+    yield "  " + _tag("CoSimulation", capabilities, closed=not sources)
+    if sources:
+        yield "    <SourceFiles>"
+        yield from (f"      <File name={quoteattr(name)}/>" for name in sources)
+        yield "    </SourceFiles>"
+        yield "  </CoSimulation>"
+    yield from _units(model)
+    yield "  <LogCategories>"
+    yield from ("    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in CATEGORIES.items())
+    yield "  </LogCategories>"
+    periods = [model.variables[i].start for i in clocks(model)]
+    step = min(periods, default=0.01)
+    experiment = {"startTime": 0.0, "stopTime": max(10.0, 100 * max(periods, default=0.01)), "stepSize": step}
+    yield "  " + _tag("DefaultExperiment", experiment, closed=True)
+    yield "  <VendorAnnotations>"
+    yield '    <Tool name="navfmu">'
+    for name, text in (model.documentation.get("bundles") or {}).items():
+        yield "      " + _tag("bundle", {"name": name, "description": _one_line(text) or None}, closed=True)
+    yield "    </Tool>"
+    yield "  </VendorAnnotations>"
+    yield "  <ModelVariables>"
+    for variable in model.variables:
+        yield from _variable(variable)
+    yield "  </ModelVariables>"
+    yield from _structure(model)
+    yield "</fmiModelDescription>"
+    yield ""
+
+
+def _units(model: ir.Model) -> Iterable[str]:
+    used = [unit for unit in UNITS if any(v.unit == unit for v in model.variables)]
+    if not used:
+        return
+    yield "  <UnitDefinitions>"
+    for unit in used:
+        yield f"    <Unit name={quoteattr(unit)}>"
+        yield "      " + _tag("BaseUnit", UNITS[unit], closed=True)
+        for name, (factor, offset) in DISPLAY_UNITS.get(unit, {}).items():
+            if any(v.unit == unit and v.display_unit == name for v in model.variables):
+                numbers = {"name": name, "factor": factor, "offset": offset or None}
+                yield "      " + _tag("DisplayUnit", numbers, closed=True)
+        yield "    </Unit>"
+    yield "  </UnitDefinitions>"
+
+
+def _variable(variable: ir.Variable) -> Iterable[str]:
+    attributes = {
+        "name": variable.name,
+        "valueReference": variable.index,
+        "description": _one_line(variable.description) or None,
+        "causality": variable.causality,
+        "variability": variable.variability,
+        "initial": variable.initial,
+    }
+    yield "    " + _tag("ScalarVariable", attributes)
+    real, integer = variable.type == "Real", variable.type == "Integer"
+    starts = variable.initial != "calculated"
+    convert = {"Real": float, "Integer": round, "Boolean": bool}[variable.type]
+
+    def number(value: float | None) -> float | int | bool | None:
+        return None if value is None else convert(value)
+
+    value = {
+        "unit": variable.unit if real else None,
+        "displayUnit": variable.display_unit if real and variable.display_unit != variable.unit else None,
+        "min": number(variable.min) if real or integer else None,
+        "max": number(variable.max) if real or integer else None,
+        "nominal": number(variable.nominal) if real else None,
+        "start": number(variable.start) if starts else None,
+    }
+    yield "      " + _tag(variable.type, value, closed=True)
+    if variable.fault:
+        yield '      <Annotations><Tool name="navfmu"><fault/></Tool></Annotations>'
+    yield "    </ScalarVariable>"
+
+
+def _structure(model: ir.Model) -> Iterable[str]:
+    outputs = [v.index for v in model.variables if v.causality == "output"]
+    if not outputs:
+        yield "  <ModelStructure/>"
+        return
+    yield "  <ModelStructure>"
+    yield "    <Outputs>"
+    yield from (f'      <Unknown index="{index + 1}" dependencies=""/>' for index in outputs)
+    yield "    </Outputs>"
+    unknowns = initial_unknowns(model)
+    if unknowns:
+        yield "    <InitialUnknowns>"
+        for index, depends in unknowns:
+            numbers = " ".join(str(i + 1) for i in depends)
+            yield f'      <Unknown index="{index + 1}" dependencies="{numbers}"/>'
+        yield "    </InitialUnknowns>"
+    yield "  </ModelStructure>"
+
+
+def _tag(name: str, attributes: dict[str, object], closed: bool = False) -> str:
+    words = [name]
+    for key, value in attributes.items():
+        if value is not None:
+            text = str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else value
+            words.append(f"{key}={quoteattr(str(text))}")
+    return f"<{' '.join(words)}{'/' if closed else ''}>"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

@@ -1,0 +1,510 @@
+/* FMI 2.0 for Co-Simulation, once for all models. */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "instance.h"
+
+enum { LOG_EVENTS = 1, LOG_WARNINGS = 2, LOG_ERRORS = 4, LOG_ALL = 7 };
+
+static const struct {
+    const char *name;
+    int bits;
+} categories[] = {
+    {"logEvents", LOG_EVENTS},
+    {"logStatusWarning", LOG_WARNINGS},
+    {"logStatusError", LOG_ERRORS},
+    {"logAll", LOG_ALL},
+};
+#define CATEGORY_COUNT (sizeof categories / sizeof categories[0])
+
+typedef struct {
+    Instance core; /* first, so that a pointer to it is a pointer to the whole */
+    fmi2CallbackLogger logger;
+    fmi2ComponentEnvironment environment;
+    char *name;
+    int log; /* bits of the categories that are wanted */
+    fmi2Status last_step;
+} Slave;
+
+/* A saved state: what it belongs to, and a copy of the block. */
+typedef struct {
+    char magic[8];
+    char guid[40];
+    uint64_t size; /* of the block that follows */
+} Snapshot;
+
+static const char snapshot_magic[8] = {'n', 'a', 'v', 'f', 'm', 'u', '0', '1'};
+
+/* ---- reports ---- */
+
+/* Hosts print the message with or without expanding it like printf, so each % is doubled and no arguments follow. */
+static void send(Slave *slave, fmi2Status status, const char *category, const char *sentence) {
+    char message[2048];
+    size_t length = 0;
+    if (!slave->logger) return;
+    for (const char *c = sentence; *c && length + 3 < sizeof message; c++) {
+        if (*c == '%') message[length++] = '%';
+        message[length++] = *c;
+    }
+    message[length] = 0;
+    slave->logger(slave->environment, slave->name ? slave->name : "", status, category, message);
+}
+
+static void report(Instance *self, Severity severity, const char *sentence) {
+    Slave *slave = self->host;
+    static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
+    if (slave->log & categories[severity].bits) send(slave, statuses[severity], categories[severity].name, sentence);
+}
+
+static const char *phase_name(int64_t phase) {
+    switch (phase) {
+        case INSTANTIATED: return "before initialisation";
+        case INITIALIZATION: return "in initialisation mode";
+        case STEPPING: return "after initialisation";
+        default: return "after fmi2Terminate";
+    }
+}
+
+/* The slave, when the call is allowed now; else NULL after saying so. */
+static Slave *allowed(fmi2Component component, const char *function, int phases) {
+    Slave *slave = component;
+    if (!slave) return NULL;
+    if (slave->core.state->phase & phases) return slave;
+    instance_say(&slave->core, ERROR, "%s is not allowed %s.", function, phase_name(slave->core.state->phase));
+    return NULL;
+}
+
+static fmi2Status refuse(Slave *slave, const char *sentence) {
+    if (slave) instance_say(&slave->core, ERROR, "%s", sentence);
+    return fmi2Error;
+}
+
+/* ---- inquiry and logging ---- */
+
+const char *fmi2GetTypesPlatform(void) {
+    return fmi2TypesPlatform;
+}
+
+const char *fmi2GetVersion(void) {
+    return fmi2Version;
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String names[]) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    int log = count ? 0 : LOG_ALL;
+    for (size_t i = 0; i < count; i++) {
+        size_t k = 0;
+        while (k < CATEGORY_COUNT && strcmp(names[i], categories[k].name) != 0) k++;
+        if (k == CATEGORY_COUNT) {
+            instance_say(&slave->core, ERROR, "There is no log category '%s'; expected logEvents, logStatusWarning, "
+                         "logStatusError or logAll.", names[i]);
+            return fmi2Error;
+        }
+        log |= categories[k].bits;
+    }
+    slave->log = on ? log : LOG_WARNINGS | LOG_ERRORS;
+    slave->core.log_events = slave->log & LOG_EVENTS;
+    return fmi2OK;
+}
+
+/* ---- life ---- */
+
+/* A model with tables is the same build with other tables, which add a dot and a hash of their own to its GUID. */
+static int fits_guid(fmi2String guid) {
+    size_t length = strlen(model.guid);
+    if (!guid || strncmp(guid, model.guid, length) != 0) return 0;
+    return guid[length] == 0 || (guid[length] == '.' && model.table_count > 0);
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    (void)visible;
+    Slave *slave = calloc(1, sizeof *slave);
+    if (!slave) return NULL;
+    slave->core.host = slave;
+    slave->core.report = report;
+    slave->logger = functions ? functions->logger : NULL;
+    slave->environment = functions ? functions->componentEnvironment : NULL;
+    slave->log = logging ? LOG_ALL : LOG_WARNINGS | LOG_ERRORS;
+    slave->core.log_events = slave->log & LOG_EVENTS;
+    if (name) slave->name = malloc(strlen(name) + 1);
+    if (slave->name) strcpy(slave->name, name);
+
+    if (!name || !*name) {
+        refuse(slave, "The instance has no name.");
+    } else if (type != fmi2CoSimulation) {
+        refuse(slave, "This FMU is for co-simulation; it has no model exchange interface.");
+    } else if (!fits_guid(guid)) {
+        instance_say(&slave->core, ERROR, "The GUID '%s' was given, but this binary of '%s' belongs to '%s': the model "
+                     "description is of another build.", guid ? guid : "", model.identifier, model.guid);
+    } else if (instance_create(&slave->core, resources) == 0) {
+        return slave;
+    }
+    fmi2FreeInstance(slave);
+    return NULL;
+}
+
+void fmi2FreeInstance(fmi2Component c) {
+    Slave *slave = c;
+    if (!slave) return;
+    instance_destroy(&slave->core);
+    free(slave->name);
+    free(slave);
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
+                               fmi2Boolean stop_defined, fmi2Real stop) {
+    (void)tolerance_defined, (void)tolerance;
+    Slave *slave = allowed(c, "fmi2SetupExperiment", INSTANTIATED);
+    if (!slave) return fmi2Error;
+    if (!isfinite(start) || (stop_defined && !(stop >= start))) {
+        instance_say(&slave->core, ERROR, "The experiment from %.9g s to %.9g s is not an interval of time.", start, stop);
+        return fmi2Error;
+    }
+    slave->core.state->start = slave->core.state->time = start;
+    slave->core.state->stop = stop_defined ? stop : INFINITY;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    Slave *slave = allowed(c, "fmi2EnterInitializationMode", INSTANTIATED);
+    if (!slave) return fmi2Error;
+    slave->core.state->phase = INITIALIZATION;
+    return fmi2OK;
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    Slave *slave = allowed(c, "fmi2ExitInitializationMode", INITIALIZATION);
+    if (!slave) return fmi2Error;
+    return instance_start(&slave->core) == 0 ? fmi2OK : fmi2Error;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    Slave *slave = allowed(c, "fmi2Terminate", STEPPING);
+    if (!slave) return fmi2Error;
+    slave->core.state->phase = TERMINATED;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    instance_reset(&slave->core);
+    slave->last_step = fmi2OK;
+    return fmi2OK;
+}
+
+/* ---- values ---- */
+
+static const char *type_name(int access) {
+    return access & REAL ? "Real" : access & INTEGER ? "Integer" : "Boolean";
+}
+
+static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int type) {
+    if (reference >= (unsigned)model.variable_count) {
+        instance_say(&slave->core, ERROR, "There is no variable with value reference %u; expected a value below %d.",
+                     reference, model.variable_count);
+    } else {
+        instance_say(&slave->core, ERROR, "Variable '%s' (value reference %u) is %s, not %s.",
+                     model.variables[reference].name, reference, type_name(model.access[reference]), type_name(type));
+    }
+    return fmi2Error;
+}
+
+static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, int type) {
+    if (reference >= (unsigned)model.variable_count || !(model.access[reference] & type)) {
+        return refuse_get(slave, reference, type);
+    }
+    const int access = model.access[reference];
+    const char *why = slave->core.state->phase == TERMINATED ? "nothing can be set then"
+                      : access & SET_INSTANTIATED ? "it is fixed once initialisation has ended" : "it is calculated";
+    instance_say(&slave->core, ERROR, "Variable '%s' cannot be set %s: %s.", model.variables[reference].name,
+                 phase_name(slave->core.state->phase), why);
+    return fmi2Error;
+}
+
+/* Before values are read: in initialisation mode, calculated outputs follow what was set so far. */
+static inline void before_get(Slave *slave) {
+    if (model.has_calculated && slave->core.state->phase == INITIALIZATION) instance_preview(&slave->core);
+}
+
+/* Before values are set. Returns the bit of `access` that allows it now. */
+static inline int before_set(Slave *slave) {
+    instance_undo_preview(&slave->core);
+    switch (slave->core.state->phase) {
+        case INSTANTIATED: return SET_INSTANTIATED;
+        case INITIALIZATION: return SET_INITIALIZATION;
+        case STEPPING: return SET_STEP;
+        default: return 256; /* a bit that no variable has */
+    }
+}
+
+static inline int has(fmi2ValueReference reference, int bits) {
+    return reference < (unsigned)model.variable_count && (model.access[reference] & bits) == bits;
+}
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[]) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    before_get(slave);
+    const double *v = slave->core.v;
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], REAL)) return refuse_get(slave, vr[i], REAL);
+        value[i] = v[vr[i]];
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Integer value[]) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    before_get(slave);
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], INTEGER)) return refuse_get(slave, vr[i], INTEGER);
+        value[i] = nearest_int(slave->core.v[vr[i]]);
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Boolean value[]) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    before_get(slave);
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], BOOLEAN)) return refuse_get(slave, vr[i], BOOLEAN);
+        value[i] = slave->core.v[vr[i]] != 0 ? fmi2True : fmi2False;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2String value[]) {
+    (void)vr, (void)value;
+    return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Real value[]) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    const int bits = REAL | before_set(slave);
+    double *v = slave->core.v;
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], bits)) return refuse_set(slave, vr[i], REAL);
+        if ((bits & SET_STEP) && (model.access[vr[i]] & TUNABLE) && !instance_in_range(&slave->core, (int)vr[i], value[i]))
+            return fmi2Error;
+        v[vr[i]] = value[i];
+    }
+    if (slave->core.state->slopes_set) { /* a new value has no derivative until one is set */
+        for (size_t i = 0; i < count; i++) {
+            if (model.input_slot[vr[i]] >= 0) slave->core.slopes[model.input_slot[vr[i]]] = 0.0;
+        }
+    }
+    return fmi2OK;
+}
+
+static fmi2Status set_ints(fmi2Component c, const fmi2ValueReference vr[], size_t count, const int value[], int type) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    const int bits = type | before_set(slave);
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], bits)) return refuse_set(slave, vr[i], type);
+        double number = type == BOOLEAN ? value[i] != fmi2False : value[i];
+        if ((bits & SET_STEP) && (model.access[vr[i]] & TUNABLE) && !instance_in_range(&slave->core, (int)vr[i], number))
+            return fmi2Error;
+        slave->core.v[vr[i]] = number;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Integer value[]) {
+    return set_ints(c, vr, count, value, INTEGER);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Boolean value[]) {
+    return set_ints(c, vr, count, value, BOOLEAN);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2String value[]) {
+    (void)vr, (void)value;
+    return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                       const fmi2Integer order[], const fmi2Real value[]) {
+    Slave *slave = allowed(c, "fmi2SetRealInputDerivatives", INITIALIZATION | STEPPING);
+    if (!slave) return fmi2Error;
+    instance_undo_preview(&slave->core);
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], REAL)) return refuse_get(slave, vr[i], REAL);
+        if (model.input_slot[vr[i]] < 0 || order[i] != 1) {
+            instance_say(&slave->core, ERROR, "A derivative of order %d was set for '%s'; expected order 1 and a "
+                         "continuous Real input.", order[i], model.variables[vr[i]].name);
+            return fmi2Error;
+        }
+        slave->core.slopes[model.input_slot[vr[i]]] = value[i];
+        slave->core.state->slopes_set = 1;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                        const fmi2Integer order[], fmi2Real value[]) {
+    (void)vr, (void)count, (void)order, (void)value;
+    return refuse(c, "This FMU has no derivatives of outputs (maxOutputDerivativeOrder is 0).");
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknown_count,
+                                        const fmi2ValueReference known[], size_t known_count, const fmi2Real dv_known[],
+                                        fmi2Real dv_unknown[]) {
+    (void)unknown, (void)unknown_count, (void)known, (void)known_count, (void)dv_known, (void)dv_unknown;
+    return refuse(c, "This FMU has no directional derivatives (providesDirectionalDerivative is false): its outputs "
+                     "depend on its state alone.");
+}
+
+/* ---- stepping ---- */
+
+static fmi2Status step(Slave *slave, double time, double h) {
+    Instance *core = &slave->core;
+    const double end = time + h, slack = 1e-9 * (1.0 + fabs(end));
+    if (!(h >= 0) || !isfinite(end)) {
+        instance_say(core, ERROR, "The communication step size is %.9g s at %.9g s; expected a positive number.", h, time);
+    } else if (fabs(time - core->state->time) > slack) {
+        instance_say(core, ERROR, "A step from %.9g s was asked for, but this instance is at %.9g s; to go back, restore "
+                     "a saved state.", time, core->state->time);
+    } else if (end > core->state->stop + slack) {
+        instance_say(core, ERROR, "A step to %.9g s was asked for, but the experiment ends at %.9g s.", end,
+                     core->state->stop);
+    } else {
+        instance_advance(core, end);
+        return fmi2OK;
+    }
+    return fmi2Error;
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
+    (void)no_return;
+    Slave *slave = allowed(c, "fmi2DoStep", STEPPING);
+    if (!slave) return fmi2Error;
+    return slave->last_step = step(slave, time, h);
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c) {
+    return refuse(c, "There is no step to cancel: this FMU does not run asynchronously.");
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+    Slave *slave = c;
+    if (!slave || kind != fmi2DoStepStatus) return refuse(c, "Expected the status kind fmi2DoStepStatus.");
+    *value = slave->last_step;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+    Slave *slave = c;
+    if (!slave || kind != fmi2LastSuccessfulTime) return refuse(c, "Expected the status kind fmi2LastSuccessfulTime.");
+    *value = slave->core.state->time;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+    (void)kind, (void)value;
+    return refuse(c, "There is no status of type Integer.");
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    Slave *slave = c;
+    if (!slave || kind != fmi2Terminated) return refuse(c, "Expected the status kind fmi2Terminated.");
+    *value = fmi2False; /* this FMU never asks for the end of the simulation */
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+    Slave *slave = c;
+    if (!slave || kind != fmi2PendingStatus) return refuse(c, "Expected the status kind fmi2PendingStatus.");
+    *value = "";
+    return fmi2OK;
+}
+
+/* ---- saved states ---- */
+
+static size_t snapshot_size(const Slave *slave) {
+    return sizeof(Snapshot) + slave->core.state_size;
+}
+
+/* Whether the bytes are a state of this very build; says so when not. */
+static int belongs(Slave *slave, const void *bytes, size_t size) {
+    Snapshot head = {{0}, {0}, 0};
+    if (bytes && size >= sizeof head) memcpy(&head, bytes, sizeof head);
+    if (size == snapshot_size(slave) && memcmp(head.magic, snapshot_magic, sizeof head.magic) == 0 &&
+        strncmp(head.guid, model.guid, sizeof head.guid - 1) == 0 && head.size == slave->core.state_size) {
+        return 1;
+    }
+    instance_say(&slave->core, ERROR, "This is not a saved state of this build of '%s'.", model.identifier);
+    return 0;
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    Slave *slave = c;
+    if (!slave || !state) return fmi2Error;
+    Snapshot *snapshot = *state;
+    if (snapshot && !belongs(slave, snapshot, snapshot_size(slave))) return fmi2Error;
+    if (!snapshot) {
+        snapshot = calloc(1, snapshot_size(slave));
+        if (!snapshot) return refuse(slave, "There is not enough memory for a saved state.");
+        memcpy(snapshot->magic, snapshot_magic, sizeof snapshot->magic);
+        strncpy(snapshot->guid, model.guid, sizeof snapshot->guid - 1);
+        snapshot->size = slave->core.state_size;
+        *state = snapshot;
+    }
+    instance_undo_preview(&slave->core);
+    memcpy(snapshot + 1, slave->core.state, slave->core.state_size);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    Slave *slave = c;
+    if (!slave) return fmi2Error;
+    if (!belongs(slave, state, snapshot_size(slave))) return fmi2Error;
+    slave->core.previewed = 0;
+    memcpy(slave->core.state, (const Snapshot *)state + 1, slave->core.state_size);
+    slave->last_step = fmi2OK;
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    if (!c) return fmi2Error;
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+    Slave *slave = c;
+    if (!slave || !belongs(slave, state, snapshot_size(slave))) return fmi2Error;
+    *size = snapshot_size(slave);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+    Slave *slave = c;
+    if (!slave || !belongs(slave, state, snapshot_size(slave))) return fmi2Error;
+    if (size < snapshot_size(slave)) return refuse(slave, "The buffer is too small for the saved state.");
+    memcpy(bytes, state, snapshot_size(slave));
+    return fmi2OK;
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
+    Slave *slave = c;
+    if (!slave || !state || !belongs(slave, bytes, size)) return fmi2Error;
+    Snapshot *snapshot = malloc(size);
+    if (!snapshot) return refuse(slave, "There is not enough memory for a saved state.");
+    memcpy(snapshot, bytes, size);
+    *state = snapshot;
+    return fmi2OK;
+}

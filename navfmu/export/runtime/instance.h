@@ -1,0 +1,74 @@
+/* One running component: its state, its clocks and its tasks. Knows nothing of FMI beyond a way to report. */
+#ifndef NAVFMU_INSTANCE_H
+#define NAVFMU_INSTANCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "model.h"
+#include "table.h"
+
+typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8 } Phase;
+typedef enum { EVENT, WARNING, ERROR } Severity;
+
+/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last, cursors;
+   saving, restoring and resetting are copies of it. */
+typedef struct {
+    double time;        /* communication point */
+    double start, stop; /* of the experiment; stop is INFINITY when it was not given */
+    int64_t phase;
+    int64_t slopes_set; /* some input has a derivative for the coming step */
+} State;
+
+typedef struct Instance Instance;
+typedef void Report(Instance *self, Severity severity, const char *sentence);
+
+struct Instance {
+    void *host; /* what the FMI front end needs to report */
+    Report *report;
+    int log_events;
+
+    State *state; /* the block; the pointers below lie in it */
+    size_t state_size;
+    double *v;
+    double *slopes;   /* du/dt of each continuous input, for the coming step */
+    int64_t *counts;  /* ticks done, for each clock */
+    int64_t *last;    /* sequence number last seen, for each task */
+    int64_t *cursors; /* place in each table */
+
+    State *before;    /* copy of the block while outputs are shown in initialisation mode, */
+    int previewed;    /* which `before` undoes */
+
+    Table *tables;    /* constant after instantiation, as is all below: buffers of one task's run */
+    double *held, *noise, *result, *rows, *work;
+    double clock[2];
+    const double **arguments;
+    double **results;
+    long long int *int_work;
+    void *memory;
+};
+
+/* Returns NULL after reporting why. `self` is zeroed memory of the front end with host and report set. */
+int instance_create(Instance *self, const char *resources);
+void instance_destroy(Instance *self);
+void instance_reset(Instance *self);
+
+/* In initialisation mode: calculate the outputs from what was set so far, and take that back. */
+void instance_preview(Instance *self);
+void instance_undo_preview(Instance *self);
+
+/* Check the parameters and run the start tasks. Returns 0 when all is well. */
+int instance_start(Instance *self);
+
+/* Do all that is due up to and including the time `end`. */
+void instance_advance(Instance *self, double end);
+
+/* Whether the value lies in the parameter's range; reports when not. */
+int instance_in_range(Instance *self, int index, double value);
+
+/* The nearest int, also for values that no int can hold. */
+int nearest_int(double value);
+
+void instance_say(Instance *self, Severity severity, const char *format, ...);
+
+#endif
