@@ -5,8 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Iterator
-from ctypes import CDLL, POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t
-from ctypes import c_uint32, c_void_p
+from ctypes import CDLL, POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -79,11 +78,16 @@ class _Master(Structure):
     ]
 
 
-class _Log(Structure):
-    _fields_ = [("error", c_char * 2048), ("warning", c_char * 2048), ("errors", c_int64), ("warnings", c_int64)]
+class Log(Structure):
+    _fields_ = [
+        ("error", ctypes.c_char * 2048),
+        ("warning", ctypes.c_char * 2048),
+        ("errors", c_int64),
+        ("warnings", c_int64),
+    ]
 
 
-class _Callbacks(Structure):
+class Callbacks(Structure):
     _fields_ = [(name, c_void_p) for name in ("logger", "allocate", "free", "step_finished", "environment")]
 
 
@@ -97,7 +101,7 @@ def engine_library() -> CDLL:
     library = _load(path, "the engine's binary")
     library.initialise.argtypes = [POINTER(_Master)]
     library.advance.argtypes = [POINTER(_Master), c_int64]
-    library.prepare_callbacks.argtypes = [POINTER(_Callbacks), POINTER(_Log)]
+    library.prepare_callbacks.argtypes = [POINTER(Callbacks), POINTER(Log)]
     library.prepare_callbacks.restype = None
     sizes = (c_int32 * 3)()
     library.layout(sizes)
@@ -163,12 +167,13 @@ class Compiled:
         self.plan = plan
         self._kept: list[Any] = []  # everything that the C structures point to
         self._memory: list[np.ndarray] = []  # the part of it that changes while running
-        self._logs = (_Log * len(plan.parts))()
-        self._callbacks = (_Callbacks * len(plan.parts))()
+        self._logs = (Log * len(plan.parts))()
+        self._callbacks = (Callbacks * len(plan.parts))()
         self._components = (_Component * len(plan.parts))()
         self._fmus: list[Fmi2] = []
         self._snapshots: list[Snapshot] = []
         self._fatal: set[int] = set()
+        self._initialised = False
         self._library = engine_library()
         self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
         self._master = self._make_master()
@@ -198,6 +203,7 @@ class Compiled:
         for number, part in enumerate(self.plan.parts):
             self._configure(number, part)
         self._check(self._library.initialise(byref(self._master)))
+        self._initialised = True
 
     def advance(self, until: int | None = None) -> None:
         """Run to communication point ``until`` (default: the end), or to where ``interrupt`` stopped it."""
@@ -230,23 +236,22 @@ class Compiled:
         for part, log, component in zip(self.plan.parts, self._logs, self._components, strict=True):
             count = max(component.warnings, log.warnings)
             if count:
-                yield f"component '{part.component.name}' warned {count} times, at last: {_text(log.warning)}"
+                yield f"component '{part.component.name}' warned {count} times, at last: {text(log.warning)}"
 
     def _check(self, result: int) -> None:
         """Raise the sentence for a call that failed in the loop."""
         if result != FAILED:
             return
         number, call, status = self._master.failed, FUNCTIONS[self._master.call], self._master.status
-        started = call != "fmi2ExitInitializationMode"
-        partial = self.recording() if started else None
+        partial = self.recording() if self._initialised else None
         when = self.plan.clock.time(self.k)
         self._refuse(number, call, status, when, partial)
 
-    def _refuse(self, number: int, call: str, status: int, when: float | None, partial: Recording | None) -> None:
+    def _refuse(self, number: int, call: str, status: int, when: float, partial: Recording | None) -> None:
         if status == 4:
             self._fatal.add(number)  # nothing may be called any more, not even free
         name = self.plan.parts[number].component.name
-        raise RunError(refusal(name, call, status, when, _text(self._logs[number].error)), partial)
+        raise RunError(refusal(name, call, status, when, text(self._logs[number].error)), partial)
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
@@ -306,7 +311,7 @@ class Compiled:
         signal = np.zeros((3, count))
         signal[:, plan.first_driven :] = plan.driven
         faulted = {int(slot) for slot in plan.effects["slot"]}
-        columns = [c.slot + (count if c.true and self._has_truth(c.slot, faulted) else 0) for c in plan.recorded]
+        columns = [c.slot + (count if c.true and c.slot in faulted else 0) for c in plan.recorded]
         first_driven_effect = plan.first_driven_effect
         return _Master(
             component=ctypes.addressof(self._components),
@@ -329,10 +334,6 @@ class Compiled:
             denominator=plan.clock.denominator,
             failed=-1,
         )
-
-    @staticmethod
-    def _has_truth(slot: int, faulted: set[int]) -> bool:
-        return slot in faulted
 
     def _inputs(self, group: Inputs) -> _Inputs:
         return _Inputs(
@@ -385,7 +386,7 @@ class Compiled:
         texts = (component.name.encode(), 1, component.guid.encode(), resources.encode())  # 1: co-simulation
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         if not instance:
-            said = _text(log.error) or _text(log.warning) or "it gave no reason"
+            said = text(log.error) or text(log.warning) or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}")
         self._components[number].instance = instance
 
@@ -396,7 +397,7 @@ class Compiled:
                 ctype = {"Real": c_double, "String": c_char_p}.get(kind, c_int)
                 encoded = [v.encode() if isinstance(v, str) else v for v in values.values]
                 array = (ctype * len(encoded))(*encoded)
-                references = (c_uint32 * len(encoded))(*values.references.tolist())
+                references = (ctypes.c_uint32 * len(encoded))(*values.references.tolist())
                 self._call(number, f"fmi2Set{kind}", fmu.set[kind], references, len(encoded), array)
         stop = self.plan.clock.time(self.plan.clock.steps)
         self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, 0, 0.0, 0.0, 1, stop)
@@ -405,10 +406,10 @@ class Compiled:
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
         status = function(self._components[number].instance, *arguments)
         if status > 1:
-            self._refuse(number, name, status, None, None)
+            self._refuse(number, name, status, self.plan.clock.time(self.k), None)
 
 
-def _text(raw: bytes) -> str:
+def text(raw: bytes) -> str:
     return raw.decode("utf-8", "replace")
 
 

@@ -37,14 +37,13 @@ class RunError(NavfmuError):
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 
 
-def refusal(component: str, call: str, status: int, time: float | None, message: str) -> str:
+def refusal(component: str, call: str, status: int, time: float, message: str) -> str:
     """The sentence for a call that an FMU did not answer with OK."""
     name = STATUS[status] if 0 <= status < len(STATUS) else f"status {status}"
-    when = "" if time is None else f" at t = {time:.9g} s"
     said = message.strip() or "it gave no reason"
     if name == "Pending":
         said = "asynchronous steps are not supported"
-    return f"component '{component}': {said} ({call} returned {name}{when})"
+    return f"component '{component}': {said} ({call} returned {name} at t = {time:.9g} s)"
 
 
 def recording(plan: Plan, rows: np.ndarray, warnings: tuple[str, ...] = ()) -> Recording:

@@ -1,0 +1,274 @@
+"""The reference engine: the same plan in plain Python on FMPy, written to be read and not to be fast.
+
+It is the oracle of the compiled engine: recordings must agree to the last bit, for both algorithms, with and without
+faults. It shares the plan with it, and the C function that formats an FMU's messages, nothing else.
+"""
+
+from __future__ import annotations
+
+from ctypes import byref
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
+
+from navfmu.engine.compiled import Callbacks, Log, engine_library, text
+from navfmu.engine.plan import TYPES, Inputs, Part, Plan
+from navfmu.engine.recording import Recording, RunError, recording, refusal
+from navfmu.errors import NavfmuError
+from navfmu.faults.injector import Injector
+
+
+@dataclass
+class Snapshot:
+    """The state of a run at a communication point."""
+
+    k: int
+    states: list[Any]
+    values: list[float]
+    truth: list[float]
+    ahead: list[float]
+    begin: list[list[float]]
+    injectors: list[Any]
+
+
+class Reference:
+    """One run of a plan."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.k = 0
+        count = len(plan.signals)
+        self.values = [0.0] * count  # as they left
+        self.truth = [0.0] * count  # before faults
+        self.ahead = [0.0] * count  # at the end of the step, with the faults of its beginning
+        self.begin: list[list[float]] = [[] for _ in plan.parts]  # smooth inputs at the beginning of the step
+        self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
+        rows = list(plan.effects)
+        self._injectors = [
+            Injector(rows[part.first_effect : part.first_effect + part.effects], plan.clock) for part in plan.parts
+        ]
+        self._driver = Injector(rows[plan.first_driven_effect :], plan.clock)
+        self._logs = (Log * len(plan.parts))()
+        self._fmus: list[FMU2Slave] = []
+        self._fatal: set[int] = set()
+        self._initialised = False
+        try:
+            for number, part in enumerate(plan.parts):
+                self._instantiate(number, part)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Reference:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def initialise(self) -> None:
+        """Set start values and bring every component to t = 0."""
+        for number, part in enumerate(self.plan.parts):
+            self._configure(number, part)
+        self._drive(0)
+        for number, part in enumerate(self.plan.parts):
+            for slot, value in self._outputs(number, part).items():
+                self.values[slot] = self.truth[slot] = value  # start values, for cycles
+        for number in self.plan.order:
+            part = self.plan.parts[number]
+            self._begin_smooth(number, part)
+            if part.smooth.names:
+                self._call(number, "setReal", part.smooth.references.tolist(), self.begin[number])
+            self._set_held(number, part)
+            self._call(number, "exitInitializationMode")
+            self._read_outputs(number, part, 0)
+        self._record()
+        self._initialised = True
+
+    def advance(self, until: int | None = None) -> None:
+        """Run to communication point ``until`` (default: the end)."""
+        end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
+        step = {"jacobi": self._jacobi, "gauss_seidel": self._gauss_seidel}[self.plan.algorithm]
+        while self.k < end:
+            step(self.plan.clock.time(self.k))
+            self.k += 1
+            self._drive(self.k)
+            self._record()
+
+    def run(self, progress: Any = None) -> Recording:
+        """Initialise and run to the end."""
+        self.initialise()
+        while self.k < self.plan.clock.steps:
+            self.advance(self.k + 100)
+            if progress is not None:
+                progress(self.k, self.plan.clock.steps)
+        return self.recording()
+
+    def recording(self) -> Recording:
+        """What has been recorded so far."""
+        return recording(self.plan, self.rows[: self.k // self.plan.record_every + 1].copy())
+
+    # ---- algorithms --------------------------------------------------------------------------------------------------
+
+    def _jacobi(self, t: float) -> None:
+        for number, part in enumerate(self.plan.parts):
+            self._set_held(number, part)
+        for number, part in enumerate(self.plan.parts):
+            self._make_step(number, part, t)
+            self._read_outputs(number, part, self.k + 1)
+
+    def _gauss_seidel(self, t: float) -> None:
+        for number in self.plan.order:
+            part = self.plan.parts[number]
+            self._set_smooth(number, part)
+            self._set_held(number, part)
+            self._make_step(number, part, t)
+            self._read_outputs(number, part, self.k + 1)
+
+    # ---- one component -----------------------------------------------------------------------------------------------
+
+    def _set_held(self, number: int, part: Part) -> None:
+        if part.real.names:
+            self._call(number, "setReal", part.real.references.tolist(), _inputs(part.real, self.values))
+        if part.integer.names:
+            values = [int(value) for value in _inputs(part.integer, self.values)]
+            self._call(number, "setInteger", part.integer.references.tolist(), values)
+        if part.boolean.names:
+            values = [int(value != 0.0) for value in _inputs(part.boolean, self.values)]
+            self._call(number, "setBoolean", part.boolean.references.tolist(), values)
+
+    def _begin_smooth(self, number: int, part: Part) -> None:
+        self.begin[number] = _inputs(part.smooth, self.values)
+
+    def _set_smooth(self, number: int, part: Part) -> None:
+        if not part.smooth.names:
+            return
+        references = part.smooth.references.tolist()
+        ends = _inputs(part.smooth, self.ahead)
+        slopes = [(end - begin) / self.plan.clock.step for begin, end in zip(self.begin[number], ends, strict=True)]
+        self._call(number, "setReal", references, self.begin[number])
+        self._call(number, "setRealInputDerivatives", references, [1] * len(references), slopes)
+        self._begin_smooth(number, part)
+
+    def _make_step(self, number: int, part: Part, t: float) -> None:
+        self._call(number, "doStep", t, self.plan.clock.step, int(not part.component.restores))
+
+    def _outputs(self, number: int, part: Part) -> dict[int, float]:
+        values: list[float] = []
+        for kind in TYPES:
+            references = part.outputs[kind].tolist()
+            if references:
+                read = self._call(number, f"get{kind}", references)
+                values += [float(value != 0) if kind == "Boolean" else float(value) for value in read]
+        return dict(enumerate(values, part.first_signal))
+
+    def _read_outputs(self, number: int, part: Part, k: int) -> None:
+        truth = self._outputs(number, part)
+        ahead = self._injectors[number].ahead(truth, k - 1) if k > 0 else truth
+        leaving = self._injectors[number].leave(truth, k)
+        for slot, value in truth.items():
+            self.truth[slot], self.ahead[slot], self.values[slot] = value, ahead[slot], leaving[slot]
+
+    def _drive(self, k: int) -> None:
+        truth = {self.plan.first_driven + i: float(value) for i, value in enumerate(self.plan.driven)}
+        for slot, value in self._driver.leave(truth, k).items():
+            self.values[slot] = value
+
+    def _record(self) -> None:
+        row, rest = divmod(self.k, self.plan.record_every)
+        if rest == 0:
+            self.rows[row] = [(self.truth if c.true else self.values)[c.slot] for c in self.plan.recorded]
+
+    # ---- states ------------------------------------------------------------------------------------------------------
+
+    def snapshot(self) -> Snapshot:
+        """The state of the whole run, to come back to with ``restore``."""
+        for part in self.plan.parts:
+            if not part.component.restores:
+                raise NavfmuError(f"component '{part.component.name}' cannot save its state (canGetAndSetFMUstate)")
+        states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
+        injectors = [injector.state() for injector in (*self._injectors, self._driver)]
+        lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
+        return Snapshot(self.k, states, *lists, injectors)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back (or forward) to a snapshot of this engine."""
+        for number, state in enumerate(snapshot.states):
+            self._call(number, "setFMUstate", state)
+        for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
+            injector.set_state(state)
+        self.k = snapshot.k
+        self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
+        self.begin = [list(begin) for begin in snapshot.begin]
+
+    def free(self, snapshot: Snapshot) -> None:
+        """Release the memory of a snapshot."""
+        for fmu, state in zip(self._fmus, snapshot.states, strict=True):
+            fmu.freeFMUstate(state)
+
+    def close(self) -> None:
+        """Free all instances."""
+        for number, fmu in enumerate(self._fmus):
+            if fmu.component is not None and number not in self._fatal:
+                fmu.fmi2FreeInstance(fmu.component)
+        self._fmus = []
+
+    # ---- calls -------------------------------------------------------------------------------------------------------
+
+    def _instantiate(self, number: int, part: Part) -> None:
+        component, log = part.component, self._logs[number]
+        fmu = FMU2Slave(
+            guid=component.guid,
+            modelIdentifier=component.identifier,
+            unzipDirectory=str(component.directory.resolve()),
+            instanceName=component.name,
+            libraryPath=str(component.library),
+        )
+        callbacks = fmi2CallbackFunctions()
+        engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))
+        try:
+            fmu.instantiate(callbacks=callbacks, loggingOn=True)
+        except Exception:  # FMPy raises Exception itself
+            said = text(log.error) or text(log.warning) or "it gave no reason"
+            raise RunError(f"component '{component.name}' could not be instantiated: {said}") from None
+        self._fmus.append(fmu)
+
+    def _configure(self, number: int, part: Part) -> None:
+        for kind, settings in part.settings.items():
+            if settings.names:
+                self._call(number, f"set{kind}", settings.references.tolist(), settings.values)
+        stop = self.plan.clock.time(self.plan.clock.steps)
+        self._call(number, "setupExperiment", None, 0.0, stop)
+        self._call(number, "enterInitializationMode")
+
+    def _call(self, number: int, name: str, *arguments: Any) -> Any:
+        try:
+            return getattr(self._fmus[number], name)(*arguments)
+        except FMICallException as error:
+            if error.status == 4:
+                self._fatal.add(number)
+            raise RunError(
+                refusal(
+                    self.plan.parts[number].component.name,
+                    error.function,
+                    error.status,
+                    self.plan.clock.time(self.k),
+                    text(self._logs[number].error),
+                ),
+                self.recording() if self._initialised else None,
+            ) from None
+
+
+def _inputs(group: Inputs, signals: list[float]) -> list[float]:
+    """The values of a group of inputs; what is not scaled keeps its bits."""
+    values = [signals[slot] for slot in group.source.tolist()]
+    scales = zip(values, group.factor.tolist(), group.offset.tolist(), strict=True)
+    return [value if (factor, offset) == (1.0, 0.0) else factor * value + offset for value, factor, offset in scales]
+
+
+def run(plan: Plan, progress: Any = None) -> Recording:
+    """Run a plan from beginning to end."""
+    with Reference(plan) as engine:
+        return engine.run(progress)
