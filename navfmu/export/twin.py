@@ -1,0 +1,262 @@
+"""The Python twin: the same component as a PythonFMU, for tests, for a debugger, and to see what native code gains.
+
+PythonFMU's wrapper library loads ``resources/NAME_HASH.py`` into the host's Python. All FMUs of a process share that
+Python, so whatever two FMUs import under one name exists once, for both. Therefore the twin is a single module with a
+name of its own: it carries the sources of the model, the interpreter and the random numbers, and loads them under
+names that nobody else uses. Its modelDescription.xml is ours (units, ranges, initial unknowns) and replaces the one
+that PythonFMU would write.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import sys
+import uuid
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from navfmu.errors import NavfmuError
+from navfmu.export import ir
+from navfmu.export.declaration import Component
+
+_CARRIED = ("errors", "export", "export.ir", "export.declaration", "export.noise", "export.interpreter")
+
+_HEAD = '''"""Python twin of the component {name}: the model, its interpreter and its random numbers in one file.
+
+Generated from the sources below; each is loaded under a name that no other FMU uses.
+"""
+
+# PythonFMU runs this text once more for each instance and drops a reference to globals() that it does not own.
+globals().setdefault("_references", []).append(globals())
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+if "_SOURCES" not in globals():
+    import builtins
+    import linecache
+    import sys
+    import types
+
+    _UNIQUE = {unique!r}
+    _SOURCES = {{}}
+    _MODULES = {{}}
+'''
+
+_LOADER = '''
+
+def _known(name):
+    return name in _SOURCES or any(source.startswith(name + ".") for source in _SOURCES)
+
+
+def _load(name):
+    """Return a carried module, run when it is first asked for."""
+    if name not in _MODULES:
+        parent, _, leaf = name.rpartition(".")
+        module = _MODULES[name] = types.ModuleType(_UNIQUE + "." + name)
+        sys.modules[module.__name__] = module
+        text = _SOURCES.get(name, "")
+        module.__file__ = "/".join([_UNIQUE, *name.split(".")]) + ".py"
+        module.__builtins__ = dict(vars(builtins), __import__=_import)
+        module._carried_as = name
+        linecache.cache[module.__file__] = (len(text), None, text.splitlines(True), module.__file__)
+        if parent:
+            setattr(_load(parent), leaf, module)
+        exec(compile(text, module.__file__, "exec"), vars(module))
+    return _MODULES[name]
+
+
+def _import(name, globals=None, locals=None, fromlist=(), level=0):
+    """Import for the carried modules: of each other here, of NumPy and the standard library as usual."""
+    if level:
+        here = globals["_carried_as"]
+        is_package = any(source.startswith(here + ".") for source in _SOURCES)
+        parts = here.split(".")
+        parts = parts[: len(parts) - level + is_package]
+        name = ".".join([*parts, name] if name else parts)
+    if not _known(name):
+        return builtins.__import__(name, globals, locals, fromlist, 0)
+    module = _load(name)
+    for item in fromlist or ():
+        if _known(name + "." + item):
+            _load(name + "." + item)
+    return module if fromlist else _load(name.partition(".")[0])
+
+
+if "_INTERPRETER" not in globals():
+    _INTERPRETER = _load("navfmu.export.interpreter").Interpreter
+    _ERROR = _load("navfmu.errors").NavfmuError
+    _COMPONENT = getattr(_load({module!r}), {component!r})
+
+
+class {component}Slave(Fmi2Slave):
+    """What PythonFMU calls; all behaviour is the interpreter's."""
+
+    log_categories = {categories!r}
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.modelName = {name!r}
+        self.run = _INTERPRETER(_COMPONENT)
+
+    def setup_experiment(self, start_time, stop_time, tolerance):
+        self.run.setup_experiment(start_time, stop_time)
+
+    def enter_initialization_mode(self):
+        self.run.enter_initialization()
+
+    def exit_initialization_mode(self):
+        self.run.exit_initialization()
+
+    def do_step(self, current_time, step_size):
+        try:
+            self.run.do_step(current_time, step_size)
+        except _ERROR as error:
+            self.log(str(error), Fmi2Status.error, "logStatusError")
+            return False
+        for event in self.run.events:
+            self.log(event, Fmi2Status.ok, "logEvents")
+        self.run.events.clear()
+        return True
+
+    def terminate(self):
+        self.run.terminate()
+
+    def _get(self, vrs):
+        return [self.run.get(vr) for vr in vrs]
+
+    def _set(self, vrs, values):
+        for vr, value in zip(vrs, values):
+            self.run.set(vr, value)
+
+    get_real = get_integer = get_boolean = _get
+    set_real = set_integer = set_boolean = _set
+
+    def _get_fmu_state(self):
+        return self.run.get_state()
+
+    def _set_fmu_state(self, state):
+        self.run.set_state(state)
+'''
+
+
+def _source(name: str) -> str | None:
+    """Return the source of an imported module, None for NumPy and the standard library."""
+    if name.partition(".")[0] in {"numpy", *sys.stdlib_module_names} - {"__main__"}:
+        return None
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is None or not file.endswith(".py"):
+        return "" if name in sys.modules and file is None else None
+    if {"site-packages", "dist-packages"} & set(Path(file).parts) and not name.startswith("navfmu"):
+        raise NavfmuError(f"the Python twin carries models in plain NumPy only, and one imports '{name}' ({file})")
+    return Path(file).read_text(encoding="utf-8")
+
+
+def _imports(name: str, text: str) -> set[str]:
+    """Return the names of the modules that a module's source imports."""
+    package = name if hasattr(sys.modules.get(name), "__path__") else name.rpartition(".")[0]
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".") if node.level else []
+            base = ".".join([*parts[: len(parts) - max(node.level - 1, 0)], *([node.module] if node.module else [])])
+            found.add(base)
+            found |= {f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in sys.modules}
+    return found
+
+
+def sources(component: type[Component]) -> dict[str, str]:
+    """Return the sources that a twin carries: module name to text."""
+    carried = {"navfmu": ""}
+    for name in _CARRIED:
+        module = f"navfmu.{name}"
+        __import__(module)
+        carried[module] = _source(module) or ""
+    waiting = [component.__module__]
+    while waiting:
+        name = waiting.pop()
+        if name in carried or name.startswith("navfmu.export"):
+            continue
+        text = _source(name)
+        if text is None:
+            continue
+        carried[name] = text
+        waiting += sorted(_imports(name, text))
+        waiting += [name.rpartition(".")[0]] if "." in name else []
+    return dict(sorted(carried.items()))
+
+
+def _literal(text: str) -> str:
+    """Return a Python literal of the text, with its lines as they are where that is possible."""
+    if "'''" in text or text.endswith(("'", "\\")) or "\r" in text or "\0" in text:
+        return repr(text)
+    return "r'''" + text + "'''"
+
+
+def module_text(component: type[Component], unique: str, categories: dict[str, str]) -> str:
+    """Return the source of the one module in the twin."""
+    layout = component.layout
+    names = {"name": layout.name, "unique": unique, "component": component.__name__}
+    lines = [_HEAD.format(**names)]
+    for name, text in sources(component).items():
+        lines.append(f"    _SOURCES[{name!r}] = {_literal(text)}\n")
+    loader = _LOADER
+    for key, value in {**names, "module": component.__module__, "categories": categories}.items():
+        loader = loader.replace("{" + key + "!r}", repr(value)).replace("{" + key + "}", str(value))
+    return "".join(lines) + loader
+
+
+def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
+    """Return the files of the archive: path to content."""
+    import pythonfmu
+
+    from navfmu.export import description
+
+    if "<locals>" in component.__qualname__ or "." in component.__qualname__:
+        raise NavfmuError(
+            f"component {component.__qualname__} has a Python twin only if its class stands at the top of a module"
+        )
+    categories = description.CATEGORIES
+    digest = hashlib.sha256(module_text(component, "", categories).encode())
+    digest.update(description.describe(model, "").encode() + pythonfmu.__version__.encode())
+    unique = f"{model.name}_{digest.hexdigest()[:16]}"
+    guid = "{" + str(uuid.UUID(digest.hexdigest()[:32])) + "}"
+    xml = description.describe(model, guid, needs_execution_tool=True, can_interpolate_inputs=False)
+    folder = Path(pythonfmu.__file__).parent
+    entries = {
+        "modelDescription.xml": xml.encode(),
+        "resources/slavemodule.txt": unique.encode(),
+        f"resources/{unique}.py": module_text(component, unique, categories).encode(),
+    }
+    for file in sorted(folder.glob("*.py")):
+        entries[f"resources/pythonfmu/{file.name}"] = file.read_bytes()
+    for file in sorted(folder.glob("resources/binaries/*/*")):
+        if file.suffix in (".so", ".dll", ".dylib"):
+            entries[f"binaries/{file.parent.name}/{model.name}{file.suffix}"] = file.read_bytes()
+    return entries
+
+
+def build_twin(component: type[Component], out_dir: str | Path, *, model: ir.Model | None = None) -> Path:
+    """Write ``out_dir/NAME.fmu``, the PythonFMU twin of a component; the same inputs give the same bytes.
+
+    ``model`` is the lowered component, if the caller has it already.
+    """
+    if model is None:
+        from navfmu.export.lower import lower
+
+        model = lower(component)
+    entries: dict[str, Any] = _entries(component, model)
+    path = Path(out_dir) / f"{model.name}.fmu"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(".fmu.part")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            info.compress_type, info.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(info, content)
+    partial.replace(path)
+    return path
