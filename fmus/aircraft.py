@@ -183,7 +183,7 @@ class Aircraft(Component):
         return np.all(np.logical_or(self.segment_duration <= 0.0, self.segment_speed >= 5.0))
 
     @require(
-        "a segment of the flight plan is shorter than the transition to its speed, turn rate or vertical speed: raise "
+        "a segment of the flight plan is shorter than the transition to its values: raise "
         "its segment_duration, roll_rate_limit {roll_rate_limit} rad/s, acceleration_limit {acceleration_limit} m/s2 or "
         "vertical_acceleration_limit {vertical_acceleration_limit} m/s2"
     )
