@@ -17,6 +17,9 @@ from navfmu.track.recording import KNOT, Recording
 MOVING = 20.0 * KNOT
 POSITION_STEP = 1.5e-6 * np.pi / 180.0  # about the last printed digit of a position, rad
 LONG_INTERRUPTION = 30.0  # s below the minimum speed that end a flight
+KINK = np.radians(12.0)
+CONFIRMS = np.radians(4.0)
+ODD_SPEED = 0.1
 COURSE_AGREES = np.radians(20.0)
 
 
@@ -113,16 +116,34 @@ def repeated_rows(recording: Recording) -> np.ndarray:
 
 
 def interpolated_rows(recording: Recording) -> np.ndarray:
-    """Rows whose position lies on the straight line between their neighbours, at even speed, to the last digit."""
+    """Rows on a straight line that somebody drew between two measurements.
+
+    They lie between their neighbours at even speed to the last digit. So do the rows of a really straight flight;
+    a drawn line differs from that by a speed that is not the aircraft's, or by a kink at one of its ends where the
+    recorded track does not confirm its direction.
+    """
     time = recording.time
-    inside = np.zeros(len(time), bool)
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     on_line = np.ones(len(time) - 2, bool)
     for axis in (recording.latitude, recording.longitude):
         on_line &= np.abs(axis[:-2] + share * (axis[2:] - axis[:-2]) - axis[1:-1]) <= POSITION_STEP
-    moved = np.hypot(*increments(recording)) > 0
-    inside[1:-1] = on_line & moved[1:] & moved[:-1]
-    return inside
+    north, east = (displacement / np.diff(time) for displacement in increments(recording))
+    implied, course = np.hypot(north, east), np.arctan2(east, north)
+    on_line &= (implied[1:] > 0) & (implied[:-1] > 0)
+    interpolated = np.zeros(len(time), bool)
+    for first, last in runs(np.r_[False, on_line, False]):
+        before, after = max(first - 2, 0), min(last + 1, len(north) - 1)  # increments next to those of the line
+        kink = max(abs(wrap(course[i] - course[first])) for i in (before, after))
+        if recording.speed is not None:
+            speed = np.nanmean(recording.speed[first - 1 : last + 2])  # NaN, and so no drawn line, if all are
+        else:
+            speed = 0.5 * (implied[before] + implied[after])
+        rows = slice(first - 1, last + 2)
+        if recording.track is not None and np.all(np.abs(wrap(recording.track[rows] - course[first])) < CONFIRMS):
+            kink = 0.0
+        drawn = kink > KINK or abs(implied[first] - speed) > max(ODD_SPEED * speed, 3.0 * KNOT)
+        interpolated[first : last + 1] = drawn
+    return interpolated
 
 
 def frozen_rows(recording: Recording, repeated: np.ndarray) -> np.ndarray:

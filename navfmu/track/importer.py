@@ -143,8 +143,8 @@ def _account_for_rows(account: found.Defects, recording: Recording, measured: np
         account.sentences.append(f"{account.repeated} row(s) repeat the position before them and are not measurements")
     if account.interpolated:
         account.sentences.append(
-            f"{account.interpolated} row(s) lie exactly on the line between their neighbours (interpolated by whoever "
-            "wrote the file) and are not used as measurements"
+            f"{account.interpolated} row(s) lie on straight lines between measurements (interpolated by whoever wrote "
+            "the file) and are not used as measurements"
         )
     at = np.flatnonzero(measured)
     for a, b in itertools.pairwise(at):

@@ -105,6 +105,8 @@ class _Basis:
         time = np.clip(time, 0.0, self.duration)
         degree = DEGREE - order
         inner = self.knots[order : len(self.knots) - order]
+        if len(time) == 0:
+            return sparse.csr_matrix((0, self.size))
         values = BSpline.design_matrix(time, inner, degree, extrapolate=False)
         for k in range(order):
             n = self.size - order + k  # columns of values; the next difference has one more
@@ -238,18 +240,23 @@ def _smooth_horizontal(recording, measured, known, alive, noise, manoeuvre, basi
         return sparse.hstack([sparse.diags(north) @ matrix, sparse.diags(east) @ matrix])
 
     shift = np.zeros(len(rows))  # time error of each row
-    weight, speed_weight, track_weight = np.ones(len(rows)), np.ones(len(speed_rows)), np.ones(len(track_rows))
+    weight = _lonely_weight(time[rows], z)
+    speed_weight, track_weight = np.ones(len(speed_rows)), np.ones(len(track_rows))
     c = None
     for iteration in range(ITERATIONS):
         deviation = noise.time * max(1.0, LOOSE * TIGHTEN**iteration)
         value = basis.matrix(time[rows] + shift)
-        if c is None:  # no direction yet: positions alone, the same variance in all directions
-            w = 1.0 / (noise.position**2 + (deviation * 100.0) ** 2)
+        if c is None:  # no direction yet: velocities as recorded, the same variance in all directions
+            w = weight / (noise.position**2 + (deviation * 100.0) ** 2)
+            both, in_speed, in_track = np.intersect1d(speed_rows, track_rows, return_indices=True)
+            rate, wv = basis.matrix(time[both], 1), np.full(len(both), 1.0 / (6.0 * noise.speed) ** 2)
+            recorded = speed[in_speed] * np.stack([np.cos(track[in_track]), np.sin(track[in_track])])
             normal, right = penalty, np.zeros(2 * n)
             for axis in range(2):
-                a = pair(value, *(here[0] * (axis == 0), here[1] * (axis == 1)))
-                normal = normal + w * (a.T @ a)
-                right = right + w * (a.T @ (here[axis] * z[axis]))
+                a = pair(value, here[0] * (axis == 0), here[1] * (axis == 1))
+                b = pair(rate, at_track[0][in_track] * (axis == 0), at_track[1][in_track] * (axis == 1))
+                normal = normal + a.T @ sparse.diags(w) @ a + b.T @ sparse.diags(wv) @ b
+                right = right + a.T @ (w * here[axis] * z[axis]) + b.T @ (wv * recorded[axis])
         else:
             velocity = np.stack([here[k] * (basis.matrix(time[rows] + shift, 1) @ c[k]) for k in range(2)])
             v = np.maximum(np.hypot(*velocity), 1.0)
@@ -310,6 +317,14 @@ def _smooth_horizontal(recording, measured, known, alive, noise, manoeuvre, basi
         _spread(m, track_rows, track_error),
     )
     return basis.spline(c[0] / unit[0] + origin[0]), basis.spline(c[1] / unit[1] + origin[1]), residuals
+
+
+def _lonely_weight(time: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """First weights of the positions z (m): small for one that lies far from where its two neighbours put it."""
+    share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+    away = np.hypot(*(z[:, :-2] + share * (z[:, 2:] - z[:, :-2]) - z[:, 1:-1]))
+    usual = 150.0 + 3.0 * (time[1:-1] - time[:-2]) * (time[2:] - time[1:-1])  # jitter, and a steep turn
+    return np.r_[1.0, _student((away / usual) ** 2, 2), 1.0]
 
 
 def _finite(column: np.ndarray | None, among: np.ndarray | bool = True) -> np.ndarray:

@@ -1,0 +1,56 @@
+"""``navfmu track``: a recorded flight becomes an FMU."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command("track")
+@click.argument("file", type=click.Path())
+@click.option("--out", required=True, type=click.Path(dir_okay=False), help="The FMU to write.")
+@click.option("--name", help="Name of the model; by default that of the file.")
+@click.option("--minimum-speed", default=60.0, show_default=True, help="Ground speed above which it flies, in kt.")
+@click.option("--skip-incomplete", is_flag=True, help="Leave out rows that lack time, position or altitude.")
+@click.option("--picture", type=click.Path(dir_okay=False), help="Also draw track and residuals into this PNG file.")
+def command(file, out, name, minimum_speed, skip_incomplete, picture):
+    """Make an FMU with the interface of 'aircraft' from a recorded track.
+
+    FILE is a CSV table with the columns time_s, latitude_deg, longitude_deg and altitude_ft, and if known
+    groundspeed_kt, track_deg and vertical_rate_ft_min. Its airborne part is cut out and smoothed; the FMU plays it
+    from t = 0. What was found in the recording, and what the smoothing changed, is printed.
+    """
+    from navfmu.errors import NavfmuError
+    from navfmu.shipped import path as shipped
+    from navfmu.track.archive import write_fmu
+    from navfmu.track.importer import import_track
+    from navfmu.track.recording import KNOT
+
+    if not minimum_speed > 0:
+        raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kt; expected a positive number")
+    player = shipped("track.fmu")
+    imported = import_track(file, minimum_speed * KNOT, skip_incomplete)
+    write_fmu(imported, player, out, name)
+    if picture:
+        from navfmu.track.picture import draw
+
+        draw(imported, picture)
+    _print(imported, out, picture)
+
+
+def _print(imported, out, picture) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    flight = imported.flight
+    console.print(f"{imported.source}: {flight.duration / 60.0:.1f} minutes of flight", highlight=False)
+    for sentence in imported.sentences():
+        console.print(f"  - {sentence}", highlight=False, soft_wrap=True)
+    table = Table(title="recorded minus smoothed", title_justify="left")
+    table.add_column("quantity")
+    for heading in ("unit", "rows", "rms", "95 %", "largest"):
+        table.add_column(heading, justify="left" if heading == "unit" else "right")
+    for quantity, unit, count, *numbers in imported.residual_table():
+        table.add_row(quantity, unit, str(count), *(f"{x:.2f}" for x in numbers))
+    console.print(table)
+    console.print(f"wrote {out}" + (f" and {picture}" if picture else ""), highlight=False, soft_wrap=True)
