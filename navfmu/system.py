@@ -9,7 +9,7 @@ result = flight.run(stop=2100, seed=7, faults="gps_lost.toml", record=["evaluati
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import pandas
 
     from navfmu.engine import plan as engine_plan
+    from navfmu.engine.recording import Recording
     from navfmu.faults import Fault
 
 ENGINES = ("compiled", "reference")
@@ -132,13 +133,15 @@ class System:
         record_period: float | None = None,
         parameters: Mapping[str, Any] | None = None,
         engine: str = "compiled",
+        progress: Callable[[int, int], None] | None = None,
     ) -> pandas.DataFrame:
         """Run from 0 to ``stop`` (s) with the communication step ``step`` (s) and return the recording.
 
         ``seed`` goes to every component with a parameter of that name and to the faults. ``record`` names signals,
         arrays or bundles ("imu.reading"), patterns ("imu.*"), and values before faults ("imu.reading.rate[1]@true").
         ``parameters`` are laid over those of the system: ``{"imu.gyro_drift_sigma": "1 deg/h"}``. Without ``stop`` and
-        ``step`` those of the system's default experiment are used.
+        ``step`` those of the system's default experiment are used. ``progress`` is called with the steps made and all
+        steps a few times a second.
 
         The answer has the time (s) as index, one column for each signal, and in ``attrs`` the units, and what is
         needed to repeat the run.
@@ -147,9 +150,28 @@ class System:
             raise NavfmuError(
                 f"unknown engine '{engine}'{nearest(engine, ENGINES)} (there are {' and '.join(ENGINES)})"
             )
-        plan = self.plan(stop, step, algorithm, seed, faults, record, record_period, parameters)
-        frame = _frame(plan, _execute(plan, engine))
-        frame.attrs |= {"notes": list(plan.notes), "provenance": self.provenance(plan, seed, parameters or {}, engine)}
+        chosen = self.faults(faults)
+        plan = self.plan(stop, step, algorithm, seed, chosen, record, record_period, parameters)
+        return self.execute(plan, seed, parameters, chosen, engine, progress)
+
+    def execute(
+        self,
+        plan: engine_plan.Plan,
+        seed: int | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        faults: Sequence[Fault] = (),
+        engine: str = "compiled",
+        progress: Callable[[int, int], None] | None = None,
+    ) -> pandas.DataFrame:
+        """Run a plan made by ``plan``; seed, parameters and faults are named again only for the record."""
+        if engine == "reference":
+            from navfmu.engine.reference import run
+        else:
+            from navfmu.engine.compiled import run
+        recording = run(plan, progress)
+        frame = as_frame(recording)
+        frame.attrs["notes"] = [*plan.notes, *recording.warnings]
+        frame.attrs["provenance"] = self._provenance(plan, seed, parameters or {}, faults, engine)
         return frame
 
     def faults(self, faults: str | Path | Sequence[Fault] | None) -> list[Fault]:
@@ -174,24 +196,31 @@ class System:
                     return candidate
         return path
 
-    def provenance(
-        self, plan: engine_plan.Plan, seed: int | None, parameters: Mapping[str, Any], engine: str
+    def _provenance(
+        self,
+        plan: engine_plan.Plan,
+        seed: int | None,
+        parameters: Mapping[str, Any],
+        faults: Sequence[Fault],
+        engine: str,
     ) -> dict[str, Any]:
         """What is needed to repeat a run."""
-        from navfmu.provenance import versions
+        from navfmu.provenance import command, versions
 
         return {
             "system": str(self.structure.origin),
             "variant": self.variant,
             "digest": self.digest,
             "fmus": self.hashes(),
-            "stop": plan.clock.steps * plan.clock.numerator / plan.clock.denominator,
+            "stop": plan.clock.time(plan.clock.steps),
             "step": plan.clock.step,
             "algorithm": plan.algorithm,
             "engine": engine,
             "seed": seed,
             "parameters": {name: _plain(value) for name, value in parameters.items()},
+            "faults": [describe_fault(fault) for fault in faults],
             "versions": versions(),
+            "command": command(),
         }
 
     # -- checks and defaults -------------------------------------------------------------------------------------
@@ -244,28 +273,25 @@ class System:
                     )
 
 
-def _execute(plan: engine_plan.Plan, engine: str) -> Any:
-    if engine == "reference":
-        from navfmu.engine.reference import run
-    else:
-        from navfmu.engine.compiled import run
-    return run(plan)
-
-
-def _frame(plan: engine_plan.Plan, recording: Any) -> pandas.DataFrame:
+def as_frame(recording: Recording) -> pandas.DataFrame:
+    """A recording with time (s) as index and units in ``attrs``; Booleans and Integers in their own types."""
     import numpy as np
     import pandas
 
     columns = {}
-    for column, values in zip(plan.recorded, recording.values.T, strict=True):
-        if column.type == "Boolean":
-            values = values != 0.0
-        elif column.type == "Integer":
-            values = values.astype(np.int64)
-        columns[column.name] = values
+    for name, kind, values in zip(recording.names, recording.types, recording.values.T, strict=True):
+        columns[name] = values != 0.0 if kind == "Boolean" else values.astype(np.int64) if kind == "Integer" else values
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
-    frame.attrs["units"] = {column.name: column.unit for column in plan.recorded}
+    frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
     return frame
+
+
+def describe_fault(fault: Fault) -> dict[str, Any]:
+    """A fault as plain data; what is not limited (its duration) is left out."""
+    fields = {"id": fault.id, "target": fault.target, "type": fault.type, "start": fault.start}
+    if fault.duration != float("inf"):
+        fields["duration"] = fault.duration
+    return fields | ({"fmea": fault.fmea} if fault.fmea else {}) | {k: _plain(v) for k, v in fault.parameters.items()}
 
 
 def _default_period(stop: float, step: float) -> float | None:

@@ -1,0 +1,95 @@
+"""Result files: a recording as Parquet or CSV, complete or not at all, with what is needed to repeat the run."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from navfmu.errors import NavfmuError
+from navfmu.files import replacing, write_file
+
+if TYPE_CHECKING:
+    import pandas
+
+SUFFIXES = (".parquet", ".csv")
+
+
+def check_target(path: str | Path) -> Path:
+    """Refuse a result file that could not be written, before the run and not after it."""
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise NavfmuError(f"{path}: cannot tell the format from the name; expected {' or '.join(SUFFIXES)}")
+    if path.is_dir():
+        raise NavfmuError(f"{path}: is a folder, expected a file")
+    check_folder(path.parent)
+    return path
+
+
+def check_folder(folder: str | Path) -> Path:
+    """Refuse a folder that neither is one nor could become one."""
+    folder = Path(folder)
+    existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
+    if not existing.is_dir():
+        raise NavfmuError(f"{folder}: cannot be written: {existing} is not a folder")
+    if not os.access(existing, os.W_OK):
+        raise NavfmuError(f"{folder}: cannot be written: no permission to write to {existing}")
+    return folder
+
+
+def write(frame: pandas.DataFrame, path: str | Path) -> Path:
+    """Write a recording; a CSV file gets its units and provenance in a file ``NAME.csv.json`` beside it."""
+    path = check_target(path)
+    about = {"units": frame.attrs.get("units", {})} | frame.attrs.get("provenance", {})
+    about["notes"] = frame.attrs.get("notes", [])
+    if path.suffix.lower() == ".csv":
+        with replacing(path) as temporary:
+            frame.to_csv(temporary, float_format=None)
+        write_file(path.with_name(path.name + ".json"), json.dumps(about, indent=2) + "\n")
+    else:
+        _write_parquet(frame, path, about)
+    return path
+
+
+def read(path: str | Path) -> pandas.DataFrame:
+    """Read a result file back, with units and provenance in ``attrs``."""
+    import pandas
+
+    path = Path(path)
+    try:
+        if path.suffix.lower() == ".csv":
+            frame = pandas.read_csv(path, index_col="time", float_precision="round_trip")
+            side = path.with_name(path.name + ".json")
+            about = json.loads(side.read_text(encoding="utf-8")) if side.is_file() else {}
+        else:
+            from pyarrow import parquet
+
+            table = parquet.read_table(path)
+            about = json.loads((table.schema.metadata or {}).get(b"navfmu", b"{}"))
+            frame = table.replace_schema_metadata().to_pandas()
+            frame = frame.set_index("time") if "time" in frame.columns else frame
+    except FileNotFoundError:
+        raise NavfmuError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise NavfmuError(f"{path}: cannot be read: {error}") from None
+    frame.attrs = {"units": about.pop("units", {}), "notes": about.pop("notes", []), "provenance": about}
+    return frame
+
+
+def _write_parquet(frame: pandas.DataFrame, path: Path, about: dict[str, Any]) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    units = about["units"]
+    names = ["time", *frame.columns]
+    columns = [frame.index.to_numpy(), *(frame[name].to_numpy() for name in frame.columns)]
+    arrays = [pyarrow.array(column) for column in columns]
+    units = {"time": "s"} | units
+    fields = [
+        pyarrow.field(name, array.type, metadata={"unit": units[name]} if units.get(name) else None)
+        for name, array in zip(names, arrays, strict=True)
+    ]
+    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields, metadata={"navfmu": json.dumps(about)}))
+    with replacing(path) as temporary:
+        parquet.write_table(table, temporary, compression="zstd")
