@@ -1,0 +1,84 @@
+"""Kalman filtering on the upper triangle of the covariance, one scalar measurement at a time.
+
+A covariance of n states travels as its n (n + 1) / 2 upper elements, row by row, so it is symmetric by construction and
+its update costs half. Leading axes are free: the same functions run one filter or a whole Monte Carlo of them.
+
+Sequential scalar updates equal the matrix form L = P H' (H P H' + R)^-1 where R is diagonal, which is the corrected
+form of thesis (4.50) and (6.39): both print (H' P H + R).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def order(upper) -> int:
+    """Number of states n of a packed covariance of n (n + 1) / 2 elements."""
+    return (int(round((8 * np.shape(upper)[-1] + 1) ** 0.5)) - 1) // 2
+
+
+def pack(matrix):
+    """Upper triangle, row by row."""
+    rows, columns = np.triu_indices(np.shape(matrix)[-1])
+    return matrix[..., rows, columns]
+
+
+def unpack(upper):
+    """The symmetric matrix of a packed covariance."""
+    n = order(upper)
+    rows, columns = np.triu_indices(n)
+    place = np.zeros((n, n), dtype=int)
+    place[rows, columns] = place[columns, rows] = np.arange(len(rows))
+    return upper[..., place]
+
+
+def diagonal(upper):
+    """Variances of a packed covariance."""
+    n = order(upper)
+    return upper[..., np.array([i * n - i * (i - 1) // 2 for i in range(n)])]
+
+
+def of_variances(variances):
+    """Packed covariance of independent states."""
+    return pack(np.diag(variances))
+
+
+def propagate(upper, transition, noise):
+    """P[k+1] = Phi P Phi' + C_d, thesis (4.46), (6.31); ``noise`` is C_d, packed."""
+    covariance = unpack(upper)
+    return pack(transition @ covariance @ np.swapaxes(transition, -1, -2)) + noise
+
+
+def update(correction, upper, row, variance, residual, use=True, gate=0.0):
+    """One scalar measurement with the noise ``variance``, thesis (6.39)-(6.42).
+
+    Parameters
+    ----------
+    correction
+        Corrections of the states gathered so far in this measurement epoch (all residuals refer to the same
+        prediction).
+    upper
+        Packed covariance.
+    row
+        H, the derivatives of the measurement with respect to the states.
+    residual
+        Measurement minus the prediction before the epoch's first correction.
+    use
+        Whether there is a measurement.
+    gate
+        Innovations beyond this many of their standard deviations are rejected; 0: none is.
+
+    Returns
+    -------
+    correction, upper, and whether the measurement was taken.
+    """
+    row = np.asanyarray(row)
+    innovation = residual - np.sum(row * correction, axis=-1)
+    cross = np.sum(unpack(upper) * row[..., None, :], axis=-1)
+    spread = np.sum(row * cross, axis=-1) + variance
+    inside = np.logical_or(gate <= 0.0, innovation * innovation <= gate * gate * spread)
+    taken = np.logical_and(use, inside)
+    gain = np.where(taken, 1.0 / spread, 0.0)[..., None] * cross
+    rows, columns = np.triu_indices(order(upper))
+    shift = np.where(taken, innovation, 0.0)[..., None] * gain
+    return correction + shift, upper - gain[..., rows] * cross[..., columns], taken
