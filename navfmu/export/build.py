@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -73,7 +71,7 @@ def _lower(item: Any) -> ir.Model:
 def prepare(model: ir.Model) -> Sources:
     """Generate the C code and the description of a model; the GUID is a hash of all that the binary depends on."""
     runtime = {path.name: path.read_text() for path in sorted(RUNTIME.glob("*.[ch]"))}
-    compiled = ["model.c", *(name for name in runtime if name.endswith(".c"))]
+    compiled = ["fmu.c"]  # it includes the others
     guid = archive.guid(
         codegen.generate(model, _NO_GUID),
         description.describe(model, _NO_GUID, sources=compiled),
@@ -97,8 +95,7 @@ def library(sources: Sources, platform: str) -> Path:
         with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
             for file, text in sources.files.items():
                 (Path(scratch) / file).write_text(text)
-            units = [Path(scratch) / file for file in sources.files if file.endswith(".c")]
-            toolchain.compile_shared(units, path, platform, include=[scratch])
+            toolchain.compile_shared([Path(scratch) / "fmu.c"], path, platform, include=[scratch])
     return path
 
 

@@ -83,7 +83,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
 
     yield from _array(
         "Variable",
-        "variables",
+        "model_variables",
         (
             f"{{{_text(v.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {_number(v.start)}, "
             f"{_number(-math.inf if v.min is None else v.min)}, {_number(math.inf if v.max is None else v.max)}, "
@@ -91,24 +91,24 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
             for v in model.variables
         ),
     )
-    yield from _array("unsigned char", "access", (_access(v) for v in model.variables))
+    yield from _array("unsigned char", "model_access", (_access(v) for v in model.variables))
     inputs = continuous_inputs(model)
-    yield from _array("int", "inputs", inputs)
+    yield from _array("int", "model_inputs", inputs)
     slots = {index: slot for slot, index in enumerate(inputs)}
-    yield from _array("int", "input_slot", (slots.get(v.index, -1) for v in model.variables))
-    yield from _array("int", "clocks", periods)
+    yield from _array("int", "model_input_slot", (slots.get(v.index, -1) for v in model.variables))
+    yield from _array("int", "model_clocks", periods)
     for i, task in enumerate(model.tasks):
         yield from _array("int", f"targets_{i}", task.targets)
-    yield from _array("Task", "tasks", (_task(i, task, tasks[i], periods) for i, task in enumerate(model.tasks)))
+    yield from _array("Task", "model_tasks", (_task(i, task, tasks[i], periods) for i, task in enumerate(model.tasks)))
     messages = []
     for i, check in enumerate(model.checks):
         message, values = _message(check)
         yield from _array("int", f"values_{i}", values)
         messages.append(f"{{{checks[i]}, {_text(message)}, values_{i}}}")
-    yield from _array("Check", "checks", messages)
+    yield from _array("Check", "model_checks", messages)
     yield from _array(
         "TableInfo",
-        "tables",
+        "model_tables",
         (f"{{{_text(t.name + '.csv')}, {_text(table_header(t))}, {len(t.columns)}}}" for t in model.tables),
     )
 
@@ -119,19 +119,19 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "identifier": _text(model.name),
         "guid": _text(guid),
         "variable_count": len(model.variables),
-        "access": "access",
-        "variables": "variables",
+        "access": "model_access",
+        "variables": "model_variables",
         "task_count": len(model.tasks),
-        "tasks": "tasks",
+        "tasks": "model_tasks",
         "check_count": len(model.checks),
-        "checks": "checks",
+        "checks": "model_checks",
         "clock_count": len(periods),
-        "clocks": "clocks",
+        "clocks": "model_clocks",
         "table_count": len(model.tables),
-        "tables": "tables",
+        "tables": "model_tables",
         "input_count": len(inputs),
-        "inputs": "inputs",
-        "input_slot": "input_slot",
+        "inputs": "model_inputs",
+        "input_slot": "model_input_slot",
         "seed": -1 if model.seed is None else model.seed,
         "stream": -1 if model.stream is None else model.stream,
         "has_calculated": int(any(v.initial == "calculated" and v.causality == "output" for v in model.variables)),
