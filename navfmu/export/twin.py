@@ -10,15 +10,11 @@ that PythonFMU would write.
 from __future__ import annotations
 
 import ast
-import hashlib
 import sys
-import uuid
-import zipfile
 from pathlib import Path
-from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir
+from navfmu.export import archive, description, ir
 from navfmu.export.declaration import Component
 
 _CARRIED = ("errors", "export", "export.ir", "export.declaration", "export.noise", "export.interpreter")
@@ -214,21 +210,19 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     """Return the files of the archive: path to content."""
     import pythonfmu
 
-    from navfmu.export import description
-
     if "<locals>" in component.__qualname__ or "." in component.__qualname__:
         raise NavfmuError(
             f"component {component.__qualname__} has a Python twin only if its class stands at the top of a module"
         )
     categories = description.CATEGORIES
-    digest = hashlib.sha256(module_text(component, "", categories).encode())
-    digest.update(description.describe(model, "").encode() + pythonfmu.__version__.encode())
-    unique = f"{model.name}_{digest.hexdigest()[:16]}"
-    guid = "{" + str(uuid.UUID(digest.hexdigest()[:32])) + "}"
+    text = module_text(component, "", categories)
+    guid = archive.guid(text, description.describe(model, ""), pythonfmu.__version__)
+    unique = f"{model.name}_{guid[1:-1].replace('-', '')[:16]}"
     xml = description.describe(model, guid, needs_execution_tool=True, can_interpolate_inputs=False)
     folder = Path(pythonfmu.__file__).parent
     entries = {
         "modelDescription.xml": xml.encode(),
+        "model.png": archive.icon(model.name),
         "resources/slavemodule.txt": unique.encode(),
         f"resources/{unique}.py": module_text(component, unique, categories).encode(),
     }
@@ -249,14 +243,4 @@ def build_twin(component: type[Component], out_dir: str | Path, *, model: ir.Mod
         from navfmu.export.lower import lower
 
         model = lower(component)
-    entries: dict[str, Any] = _entries(component, model)
-    path = Path(out_dir) / f"{model.name}.fmu"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".fmu.part")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in entries.items():
-            info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
-            info.compress_type, info.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-            archive.writestr(info, content)
-    partial.replace(path)
-    return path
+    return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model))
