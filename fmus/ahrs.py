@@ -101,7 +101,7 @@ class Ahrs(Component):
         start=np.radians(0.3),
         min=1.0e-6,
         display_unit="deg",
-        description="error of roll and pitch from accelerometers: noise, drift 1.2 mg and small accelerations (own choice)",
+        description="error of roll and pitch from accelerometers: noise, drift, small accelerations (own choice)",
     )
     field_sigma = Parameter(
         "1",

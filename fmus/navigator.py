@@ -44,7 +44,7 @@ class Navigator(Component):
 
     *Process noise.* Wind: 2 sigma^2 / tau of (3.36). The deleted states, heading and airspeed, are lumped into the
     wind with their own 2 sigma^2 / tau, and what turns with the aircraft into a random walk of position
-    (`position_noise`). Between measurements the wind estimate decays to `wind_mean`, as its model (3.36) says (the
+    (`position_walk`). Between measurements the wind estimate decays to `wind_mean`, as its model (3.36) says (the
     thesis keeps the estimate and lets the error decay, which contradicts each other).
 
     *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
@@ -82,7 +82,7 @@ class Navigator(Component):
         start=1,
         min=1,
         max=2,
-        description="1: with the correlated bias (our correction), 2: wide-band noise alone, as printed in thesis (6.40)",
+        description="1: with the correlated bias (our correction); 2: wide-band noise alone, thesis (6.40) as printed",
     )
     station_count = Parameter(
         kind="integer",
@@ -146,11 +146,12 @@ class Navigator(Component):
         "m/s", start=2.6, min=0.0, description="standard deviation of the airspeed error (thesis (3.32), p. 64)"
     )
     airspeed_time = Parameter("s", start=400.0, min=1.0, description="its correlation time (thesis (3.32))")
-    position_noise = Parameter(
-        "m2/s",
-        start=100.0,
+    position_walk = Parameter(
+        "m",
+        start=10.0,
         min=0.0,
-        description="random walk of position for what turns with the aircraft: (10 m)^2 per second, own choice",
+        description="random walk of position in one second, for the deleted errors that turn with the aircraft "
+        "(own choice: in a turn at 1.5 to 3 deg/s they move it by 90 to 180 m, which is the walk of 100 to 300 s)",
     )
     fix_sigma = Parameter(
         "m",
@@ -254,7 +255,7 @@ class Navigator(Component):
             (self.airspeed_sigma, self.airspeed_time),
         )
         covariance = kalman.propagate(
-            self.covariance, navigator.transition(step, decay), navigator.noise(step, density, self.position_noise)
+            self.covariance, navigator.transition(step, decay), navigator.noise(step, density, self.position_walk**2)
         )
         running = self.initialised
         self.latitude = np.where(running, latitude, self.latitude)

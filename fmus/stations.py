@@ -58,9 +58,9 @@ class StationSet:
 
 
 THESIS_LIKE = StationSet(
-    "Two hypothetical transponders in the manner of thesis Fig 7.12, whose coordinates the text does not give: on Mount "
-    "Diablo north-west of the flight, and in the San Joaquin delta north-east of it. Their lines of sight cross at near 90 "
-    "degrees from the turns to the runway, where the HDOP is between 1.41 and 1.50.",
+    "Two hypothetical transponders in the manner of thesis Fig 7.12, whose coordinates the text does not give: on "
+    "Mount Diablo north-west of the flight, and in the San Joaquin delta north-east of it. Their lines of sight cross "
+    "at near 90 degrees from the turns to the runway, where the HDOP is between 1.41 and 1.50.",
     (
         Station("DIA", "Mount Diablo (hypothetical)", 37.8816, -121.9142, 3849.0),
         Station("DLT", "San Joaquin delta (hypothetical)", 38.0000, -121.3800, 10.0),
@@ -68,8 +68,8 @@ THESIS_LIKE = StationSet(
 )
 
 BAY_AREA = StationSet(
-    "Real stations around Livermore, navigation data cycle 2013.10. The first two cross best (HDOP 1.4 to 1.5 along the "
-    "flight), all five give about 1.",
+    "Real stations around Livermore, navigation data cycle 2013.10. The first two cross best (HDOP 1.4 to 1.5 along "
+    "the flight), all five give about 1.",
     (
         Station("LIN", "Linden VORTAC", 38.07458889, -121.00385833, 260.0, 114.8),
         Station("SUU", "Travis TACAN", 38.245558, -121.945072, 32.0, 116.6, 40.0),

@@ -14,7 +14,7 @@ import numpy as np
 
 def order(upper) -> int:
     """Number of states n of a packed covariance of n (n + 1) / 2 elements."""
-    return (int(round((8 * np.shape(upper)[-1] + 1) ** 0.5)) - 1) // 2
+    return (round((8 * np.shape(upper)[-1] + 1) ** 0.5) - 1) // 2
 
 
 def pack(matrix):
