@@ -625,7 +625,13 @@ def _np_full_like(a: Any, fill_value: Any, **_: Any) -> Any:
     return np.broadcast_to(fill_value, np.shape(a)).copy()
 
 
+def _np_roll(a: Any, *args: Any, **kwargs: Any) -> Any:
+    a = np.asarray(a)
+    return a.ravel()[np.roll(np.arange(a.size).reshape(a.shape), *args, **kwargs)]
+
+
 FUNCTIONS: dict[Callable, Callable] = {
+    np.roll: _np_roll,
     np.where: _np_where,
     np.select: _np_select,
     np.clip: _np_clip,
@@ -644,7 +650,7 @@ FUNCTIONS: dict[Callable, Callable] = {
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
 _STRUCTURAL = """
 concatenate stack vstack hstack dstack column_stack block cross outer dot inner einsum tensordot kron diag diagonal
-diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat roll flip fliplr
+diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
 hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval
 linalg.multi_dot linalg.matrix_power linalg.cross linalg.outer linalg.trace linalg.diagonal linalg.matrix_transpose
@@ -755,9 +761,9 @@ class Traced(np.ndarray):
         """Matrix product."""
         return np.dot(self, other)
 
-    def round(self, decimals: int = 0) -> Traced:
+    def round(self, decimals: int = 0, out: None = None) -> Traced:
         """Nearest whole numbers, halves to even."""
-        if decimals:
+        if decimals or out is not None:
             refuse("rounding to decimals is not traced", "scale, then np.rint")
         return np.rint(self)
 

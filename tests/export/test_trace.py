@@ -1,0 +1,275 @@
+"""A model in plain NumPy and its traced form are the same function, or the model is refused with a sentence."""
+
+import math
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from numpy import array as array_by_name
+
+from navfmu.errors import NavfmuError
+from navfmu.export import trace
+
+ROOT = Path(__file__).parents[2]
+EYE = np.eye(3)
+SKEW = np.array([[0.0, -3.0, 2.0], [3.0, 0.0, -1.0], [-2.0, 1.0, 0.0]])
+
+
+def traced(function, *arguments):
+    """Trace ``function`` with symbols in the shapes of ``arguments``, and evaluate it at their values."""
+    with trace.tracing():
+        columns, symbols = [], []
+        for argument in map(np.asarray, arguments):
+            boolean = tuple(range(argument.size)) if argument.dtype == bool else ()
+            column, array = trace.symbols("x", argument.size, boolean)
+            columns.append(column)
+            symbols.append(array.reshape(argument.shape))
+        result = function(*symbols)
+        shape = np.shape(result)
+        expression = ca.cse(ca.densify(ca.vertcat(*trace.expressions(result))))
+        compiled = ca.Function("f", columns, [expression])
+    return np.array(compiled(*[np.ravel(a).astype(float) for a in arguments])).reshape(shape)
+
+
+A = np.random.default_rng(1).normal(size=3)
+B = np.random.default_rng(2).normal(size=3)
+M = np.random.default_rng(3).normal(size=(3, 3))
+N = np.random.default_rng(4).normal(size=(2, 3))
+S = np.float64(0.7)
+V = np.random.default_rng(5).normal(size=37)
+T = np.array([True, False, True])
+
+EXACT = {
+    "arithmetic": (lambda a, b: 2 * a - b / 3 + a * b - (-a) + abs(b) / (1 + a * a), A, B),
+    "cancellation is kept": (lambda a, b: (a + b) - b, A * 1e-9, B),
+    "twice a half": (lambda a: 0.1 * a + 0.2 * a - 0.3 * a, A),
+    "powers": (lambda a: a**2 + a**-1 + abs(a) ** 0.5 + np.square(a) + a**1 + a**0, A),
+    "scalar and array": (lambda s, a: s * a + a[0] * s - 1 / s, S, A),
+    "numpy scalar first": (lambda a: np.float64(3.0) * a[1] + np.pi * a, A),
+    "elements to array": (lambda a, s: np.array([a[0], 1.0, s]) + np.array([[1, s, a[2]]] * 3), A, S),
+    "asarray and full": (lambda a, s: np.asarray([a[0], s, 2]) + np.full(3, s), A, S),
+    "array imported by name": (lambda a, s: array_by_name([a[0], a[1], s]) + a, A, S),
+    "matrix times vector": (lambda m: SKEW @ m @ EYE[0] + m[0] @ m[1], M),
+    "cross": (lambda a, b: np.cross(a, b) + np.cross(a, [1.0, 2.0, 3.0]), A, B),
+    "outer": (lambda a, b: np.outer(a, b) + np.multiply.outer(a, b), A, B),
+    "dot": (lambda a: np.dot(SKEW, a) + np.inner(a, EYE[1]) + a.dot(EYE), A),
+    "norm": (lambda m: np.linalg.norm(m, axis=1), M),
+    "joining": (lambda a, n: np.concatenate([np.stack([a, 2 * a]), n, np.vstack([a, a]), np.ones((1, 3))]), A, N),
+    "columns": (lambda a, n: np.column_stack([a, n.T]) + np.hstack([n.T, a[:, None]]), A, N),
+    "block": (lambda m, s: np.block([[m, np.zeros((3, 2))], [np.ones((1, 4)), s * np.ones((1, 1))]]), M, S),
+    "einsum": (lambda m: np.einsum("ij,kj->ik", m, EYE), M),
+    "kron": (lambda m: np.kron(m, EYE) + np.kron(EYE, m), M),
+    "diagonals": (lambda a, m: np.diag(a) + np.diag(np.diag(m)) + np.trace(m), A, M),
+    "triangles": (lambda m: np.triu(m) + 2 * np.tril(m, -1), M),
+    "reshaping": (lambda n: n.reshape(3, 2).T + np.reshape(n, (2, 3)) + np.transpose(n.T) + n.ravel()[0], N),
+    "tile, repeat, roll, flip": (lambda a: np.tile(a, 2) + np.repeat(a, 2) + np.roll(np.tile(a, 2), 1)[::-1], A),
+    "cumulated sums": (lambda v: np.cumsum(v) + np.cumprod(v[:4]).sum() + np.diff(v, prepend=0.0), V),
+    "long sum": (lambda v: np.sum(v) + v.sum() + np.sum(v[:12]) + np.sum(v[:7]), V),
+    "sums over axes": (lambda m: m.sum(axis=0) + np.sum(m, axis=1) + np.prod(m, axis=0), M),
+    "very long sum": (lambda v: np.sum(np.tile(v, 9)), V),
+    "mean": (lambda m, v: np.mean(m, axis=0) + v.mean(), M, V),
+    "python sum and for": (lambda v: sum(v[:5]) + sum(x * y for x, y in zip(v[:-1], v[1:], strict=True)), V),
+    "unpacking": (lambda a: (lambda x, y, z: np.array([z, y, x]))(*a), A),
+    "index arrays": (lambda v: v[[0, 5, 3]] + v[np.array([1, 2, 3])] + v[-3:], V),
+    "constant mask": (lambda v: v[np.arange(37) % 5 == 0], V),
+    "item assignment in own arrays": (lambda a, s: _assigned(a, s), A, S),
+    "add in place": (lambda a, s: _accumulated(a, s), A, S),
+    "where": (lambda a, b: np.where(a > b, a, 1.0) + np.where(np.array([True, False, True]), a, b), A, B),
+    "where guards": (lambda a: np.where(a > 0, np.sqrt(np.where(a > 0, a, 1.0)), 7.0), A),
+    "select": (lambda a: np.select([a > 0.5, a > 0], [a, 2 * a], default=-1.0), A),
+    "clip": (lambda a: np.clip(a, -0.5, 0.5) + a.clip(-1, 0.1) + np.clip(a, None, 0) + np.clip(a, a[0], None), A),
+    "maximum": (lambda a, b: np.maximum(a, b) + np.minimum(a, 0.1) + np.fmax(a, b) + np.fmin(1, b), A, B),
+    "max over axis": (lambda m: np.max(m, axis=0) + m.min() + np.amax(m), M),
+    "sign": (lambda a: np.sign(a) + np.sign(a * 0) + np.copysign(2.0, a), A),
+    "rounding": (lambda a: np.floor(9 * a) + np.ceil(9 * a) + np.trunc(9 * a) + np.rint(9 * a) + np.round(a), A),
+    "halves to even": (lambda a: np.rint(a), np.array([0.5, 1.5, 2.5, -0.5, -1.5, 2.4999, 7.0])),
+    "remainders": (lambda a: np.mod(9 * a, 2.0) + (a % -0.3) + np.fmod(7 * a, 0.7) + 9 * a // 2, A),
+    "remainder by traced": (lambda a, b: np.mod(9 * a, b) + np.floor_divide(5 * a, b), A, B),
+    "angle wrap": (lambda a: np.mod(9 * a + np.pi, 2 * np.pi) - np.pi, A),
+    "comparisons": (lambda a, b: np.stack([a < b, a <= b, a > b, a >= b, a == b, a != b, a < 0, 0 < a]), A, B),
+    "logic": (lambda a, b: np.logical_and(a > 0, b > 0) | np.logical_or(a > 1, b < 0) & ~(a < b) ^ (b > 0), A, B),
+    "logic on numbers": (lambda a: np.logical_not(a) | np.logical_xor(a, a - a) | np.logical_and(a, 1), A),
+    "truth values": (lambda t, a: np.where(t & (a > 0), a, 0) + t + t * a + (1 - t) + (t + t), T, A),
+    "any and all": (lambda a: np.array([np.any(a > 0), np.all(a > 0), (a > 9).any(), np.all(a < 9)]), A),
+    "counting": (lambda a: np.sum(a > 0) + np.count_nonzero(a > 0) + np.cumsum(a > 0), A),
+    "astype": (lambda t, a: t.astype(float) * a + (a > 0).astype(int) + (3 * a).astype(int), T, A),
+    "finite": (lambda a: np.isfinite(a) & ~np.isnan(a) & ~np.isinf(a), np.array([1.0, np.nan, np.inf, -np.inf])),
+    "nan spreads": (lambda a: np.maximum(a, 0.0) + np.minimum(1.0, a), np.array([1.0, np.nan, -2.0])),
+    "zeros_like": (lambda a: np.zeros_like(a) + np.ones_like(a) * a + np.full_like(a, a[0]), A),
+    "degrees": (lambda a: np.deg2rad(a) + np.radians(a) + np.rad2deg(a), A),
+    "interp": (lambda a: np.interp(a, [-1.0, 0.0, 0.25, 1.0], [3.0, 1.0, 4.0, 1.5]), A),
+    "square roots": (lambda a: np.sqrt(abs(a)) + 1 / np.sqrt(1 + a * a), A),
+}
+
+LIBRARY = {  # NumPy and the C library may differ in the last place
+    "exp and log": lambda a: np.exp(a) + np.log(abs(a)) + np.expm1(a) + np.log1p(abs(a)),
+    "other logarithms": lambda a: np.log2(abs(a)) + np.log10(abs(a)) + np.exp2(a),
+    "sin, cos, tan": lambda a: np.sin(a) + np.cos(a) + np.tan(a),
+    "inverse": lambda a: np.arcsin(a / 9) + np.arccos(a / 9) + np.arctan(a) + np.arctan2(a, 2.0) + np.arctan2(1.0, a),
+    "hyperbolic": lambda a: np.sinh(a) + np.cosh(a) + np.tanh(a) + np.arcsinh(a) + np.arctanh(a / 9),
+    "hypot": lambda a: np.hypot(a, 1.0) + np.hypot(3.0, a) + np.linalg.norm(a),
+    "powers": lambda a: a**3 + abs(a) ** 1.7 + 2.0 ** (a[0]) + np.power(abs(a), a) + a**-2,
+    "products": lambda a: np.outer(a, a) @ a + a @ a + np.vdot(a, a) + np.linalg.multi_dot([SKEW, SKEW, a]),
+}
+
+
+def _assigned(a, s):
+    b = a.copy()
+    b[1] = s
+    b[2:] = a[:1]
+    return b
+
+
+def _accumulated(a, s):
+    b = 2 * a
+    c = b
+    b += s
+    return b + c
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_traced_function_equals_numpy_to_the_last_bit(name):
+    function, *arguments = EXACT[name]
+    with np.errstate(invalid="ignore"):
+        expected = np.asarray(function(*arguments)).astype(float)
+        result = traced(function, *arguments)
+    assert result.shape == expected.shape
+    np.testing.assert_array_equal(result, expected)
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_traced_library_functions_equal_numpy_to_a_few_last_places(name):
+    np.testing.assert_allclose(traced(LIBRARY[name], A), LIBRARY[name](A), rtol=1e-15, atol=2e-15)
+
+
+def strapdown_filter(x, p, z, h):
+    """One step of a nine-state filter: position, velocity, attitude errors; prediction and three updates."""
+    eye, zero = np.eye(3), np.zeros((3, 3))
+    c, s = np.sqrt(1 - x[6] ** 2), x[6]
+    c_nb = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    f = np.block([[eye, h * eye, zero], [zero, eye, h * c_nb], [zero, zero, (1 - h / 100) * eye]])
+    x = np.concatenate([x[:3] + h * x[3:6], x[3:6] + h * c_nb @ x[6:], (1 - h / 100) * x[6:]])
+    p = f @ p @ f.T + h * np.diag([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.1, 0.1, 0.1])
+    for i in range(3):
+        row = np.eye(9)[i]
+        k = p @ row / (row @ p @ row + 4.0)
+        x = x + k * (z[i] - row @ x)
+        j = np.eye(9) - np.outer(k, row)
+        p = j @ p @ j.T + 4.0 * np.outer(k, k)
+    return np.concatenate([x, ((p + p.T) / 2).ravel()])
+
+
+FILTER_INPUT = (np.arange(9) * 0.05, np.diag(np.arange(1.0, 10.0)) + 0.01, np.array([1.0, -2.0, 0.5]), np.float64(0.01))
+
+
+def test_nine_state_filter_equals_numpy_to_the_last_bit():
+    """In a process where NumPy's matrix product does not fuse multiplication and addition."""
+    code = (
+        "import numpy as np; from tests.export.test_trace import *;"
+        "e = strapdown_filter(*FILTER_INPUT); r = traced(strapdown_filter, *FILTER_INPUT);"
+        "print(np.count_nonzero(e != r), np.count_nonzero(e))"
+    )
+    environment = os.environ | {"OPENBLAS_CORETYPE": "Nehalem", "PYTHONPATH": str(ROOT)}
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    different, nonzero = map(int, run.stdout.split())
+    assert nonzero > 60
+    assert different == 0
+
+
+def test_nine_state_filter_traces_in_less_than_a_second():
+    begin = time.process_time()
+    result = traced(strapdown_filter, *FILTER_INPUT)
+    assert time.process_time() - begin < 1.0
+    np.testing.assert_allclose(result, strapdown_filter(*FILTER_INPUT), rtol=1e-13, atol=1e-15)
+
+
+def _store(a):
+    b = np.zeros(3)
+    b[0] = a[0]
+
+
+def _store_slice(a):
+    b = np.zeros(5)
+    b[1:4] = a
+
+
+def _add_to_float_array(a):
+    b = np.zeros(3)
+    b += a
+
+
+def _branch(a):
+    return 1.0 if a[0] > 0 else 2.0
+
+
+REFUSED = {
+    "if on a value": (_branch, "np.where"),
+    "and, or, not": (lambda a: a[0] > 0 and a[1] > 0, "np.logical_and"),
+    "max": (lambda a: max(a[0], a[1]), "np.maximum"),
+    "chained comparison": (lambda a: 0 < a[0] < 1, "np.logical_and"),
+    "while": (lambda a: [None for _ in iter(lambda: bool(a[0] > 0), False)], "np.where"),
+    "float": (lambda a: float(a[0]), "instead of float"),
+    "numpy's float": (lambda a: np.float64(a[0]), "instead of float"),
+    "int": (lambda a: int(a[0]), "np.floor"),
+    "math.sin": (lambda a: math.sin(a[0]), "math.*"),
+    "math.hypot": (lambda a: math.hypot(a[0], a[1]), "math.*"),
+    "range": (lambda a: range(a[0]), "np.where"),
+    "index of a list": (lambda a: [1, 2, 3][a[0]], "np.where"),
+    "index of a traced array": (lambda a: a[a[0]], "np.where"),
+    "mask": (lambda a: a[a > 0], "np.where"),
+    "store in a float array": (_store, "np.array([...])"),
+    "store in a slice of a float array": (_store_slice, "np.array([...])"),
+    "add to a float array": (_add_to_float_array, "x = x + y"),
+    "inverse": (lambda a: np.linalg.inv(np.outer(a, a)), "one at a time"),
+    "solve": (lambda a: np.linalg.solve(EYE, a), "one at a time"),
+    "sort": (lambda a: np.sort(a), "np.minimum"),
+    "argmax": (lambda a: np.argmax(a), "np.where"),
+    "argmax method": (lambda a: a.argmax(), "np.where"),
+    "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
+    "where with one argument": (lambda a: np.where(a > 0), "both branches"),
+    "ufunc with where": (lambda a: np.sqrt(a, where=a > 0), "np.where"),
+    "invert a number": (lambda a: ~a, "compare first"),
+    "complex": (lambda a: complex(a[0]), "real"),
+    "dict key": (lambda a: {a[0]: 1}, "np.where"),
+    "difference of truth values": (lambda a: (a > 0) - (a > 1), "np.logical_xor"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_traced_names_file_line_and_remedy(name):
+    function, remedy = REFUSED[name]
+    with pytest.raises(NavfmuError) as caught:
+        traced(function, A)
+    code = function.__code__
+    sentence = str(caught.value)
+    assert sentence.startswith(f"{code.co_filename}, line ")
+    line = int(sentence.split("line ", 1)[1].split(":", 1)[0])
+    assert code.co_firstlineno <= line <= code.co_firstlineno + 3
+    assert remedy in sentence
+
+
+def test_object_array_that_mixes_floats_and_symbols_does_not_fall_through():
+    """An array made behind the tracer's back still computes what NumPy computes, or is refused."""
+    mixed = np.empty(3, object)
+
+    def function(a):
+        mixed[:] = [a[0], 2.0, np.float64(3.0)]
+        return np.where(mixed * a > 0, mixed + 1, a)
+
+    expected = np.where(np.array([A[0], 2.0, 3.0]) * A > 0, np.array([A[0], 2.0, 3.0]) + 1, A)
+    np.testing.assert_array_equal(traced(function, A), expected)
+    with pytest.raises(TypeError, match="sqrt"):
+        traced(lambda a: (function(a), np.sqrt(mixed))[1], A)
+
+
+def test_numpy_is_left_as_it_was():
+    before = (np.array, np.asarray, np.full, ca.GlobalOptions.getSimplificationOnTheFly())
+    with pytest.raises(NavfmuError), trace.tracing():
+        traced(_branch, A)
+    assert before == (np.array, np.asarray, np.full, ca.GlobalOptions.getSimplificationOnTheFly())
