@@ -6,8 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterable, Sequence
-
-import casadi as ca
+from typing import TYPE_CHECKING
 
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, trace
@@ -150,6 +149,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
 
 def _rename(function: ca.Function, name: str, functions: list[ca.Function]) -> str:
     """Add to ``functions`` the same function over scalars, under a name that cannot clash; return the name."""
+    import casadi as ca
+
     inputs = [ca.SX.sym(ARGUMENTS[i], function.sparsity_in(i)) for i in range(function.n_in())]
     with trace.as_written():
         functions.append(ca.Function(name, inputs, [ca.densify(function(*inputs))]))
@@ -161,6 +162,8 @@ def _casadi(functions: Sequence[ca.Function]) -> str:
 
     (The runtime passes every argument and result, always.)
     """
+    import casadi as ca
+
     if not functions:
         return ""
     generator = ca.CodeGenerator("model", {"with_header": False})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from xml.sax.saxutils import quoteattr
 
@@ -10,46 +11,23 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir
 from navfmu.export.codegen import clocks, continuous_inputs
 
-#: Units of variables: exponents of the base units (factor 1: everything is SI).
-UNITS: dict[str, dict[str, int]] = {
-    "1": {},
-    "s": {"s": 1},
-    "1/s": {"s": -1},
-    "s2": {"s": 2},
-    "Hz": {"s": -1},
-    "m": {"m": 1},
-    "m2": {"m": 2},
-    "m/s": {"m": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "m/s3": {"m": 1, "s": -3},
-    "m2/s2": {"m": 2, "s": -2},
-    "1/m": {"m": -1},
-    "s/m": {"m": -1, "s": 1},
-    "s2/m": {"m": -1, "s": 2},
-    "rad": {"rad": 1},
-    "rad2": {"rad": 2},
-    "rad/s": {"rad": 1, "s": -1},
-    "rad/s2": {"rad": 1, "s": -2},
-    "rad/m": {"rad": 1, "m": -1},
-    "rad2/s2": {"rad": 2, "s": -2},
-    "1/rad": {"rad": -1},
-    "s/rad": {"rad": -1, "s": 1},
+#: Symbols that units are made of, such as m2/s3 or kg/m3: exponents of the base units (all factors are 1).
+SYMBOLS: dict[str, dict[str, int]] = {
     "kg": {"kg": 1},
-    "kg/m3": {"kg": 1, "m": -3},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N.m": {"kg": 1, "m": 2, "s": -2},
-    "Pa": {"kg": 1, "m": -1, "s": -2},
-    "Pa/s": {"kg": 1, "m": -1, "s": -3},
-    "T": {"kg": 1, "s": -2, "A": -1},
-    "T/s": {"kg": 1, "s": -3, "A": -1},
+    "m": {"m": 1},
+    "s": {"s": 1},
     "A": {"A": 1},
-    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
     "K": {"K": 1},
-    "K/m": {"K": 1, "m": -1},
-    "W": {"kg": 1, "m": 2, "s": -3},
+    "rad": {"rad": 1},
+    "Hz": {"s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
     "J": {"kg": 1, "m": 2, "s": -2},
-    "m2/s3": {"m": 2, "s": -3},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "T": {"kg": 1, "s": -2, "A": -1},
 }
+_BASE = ("kg", "m", "s", "A", "K", "rad")
 
 _DEGREE = 57.29577951308232
 #: Units that a host may show instead: displayed value = factor * value + offset.
@@ -97,13 +75,31 @@ def describe(
     )
 
 
+def base_units(unit: str) -> dict[str, int]:
+    """Return the exponents of the base units of an SI unit such as ``1``, ``m/s2``, ``N.m`` or ``rad2/s``."""
+    exponents = dict.fromkeys(_BASE, 0)
+    for match in re.finditer(r"(^|[./])([A-Za-z]+|1)(-?\d+)?(?=[./]|$)|(.)", unit or "?"):
+        operator, symbol, power, rest = match.groups()
+        if rest or (symbol != "1" and symbol not in SYMBOLS) or (symbol == "1" and (power or operator == ".")):
+            known = ["1", *SYMBOLS]
+            raise NavfmuError(
+                f"unknown unit '{unit}'; expected SI symbols with powers such as 'm/s2' or 'kg/m3', "
+                f"made of {', '.join(known)}"
+            )
+        for name, exponent in SYMBOLS.get(symbol, {}).items():
+            exponents[name] += exponent * int(power or 1) * (-1 if operator == "/" else 1)
+    return {name: exponent for name, exponent in exponents.items() if exponent}
+
+
 def check_units(model: ir.Model) -> None:
-    """Raise when a unit is not in :data:`UNITS` or a display unit does not belong to it."""
+    """Raise when a unit is not SI (:func:`base_units`) or a display unit does not belong to it."""
     for variable in model.variables:
         where = f"component '{model.name}', variable '{variable.name}'"
         unit, display = variable.unit, variable.display_unit
-        if unit is not None and unit not in UNITS:
-            raise NavfmuError(f"{where}: unknown unit '{unit}'; expected an SI unit{nearest(unit, UNITS)}")
+        try:
+            base_units(unit or "1")
+        except NavfmuError as error:
+            raise NavfmuError(f"{where}: {error}") from None
         if display is not None and display != unit and display not in DISPLAY_UNITS.get(unit or "", {}):
             known = DISPLAY_UNITS.get(unit or "", {})
             raise NavfmuError(
@@ -185,12 +181,16 @@ def _lines(
     step = min(periods, default=0.01)
     experiment = {"startTime": 0.0, "stopTime": max(10.0, 100 * max(periods, default=0.01)), "stepSize": step}
     yield "  " + _tag("DefaultExperiment", experiment, closed=True)
-    yield "  <VendorAnnotations>"
-    yield '    <Tool name="navfmu">'
-    for name, text in (model.documentation.get("bundles") or {}).items():
-        yield "      " + _tag("bundle", {"name": name, "description": _one_line(text) or None}, closed=True)
-    yield "    </Tool>"
-    yield "  </VendorAnnotations>"
+    bundles = model.documentation.get("bundles") or {}
+    if bundles:
+        yield "  <VendorAnnotations>"
+        yield '    <Tool name="navfmu">'
+        yield "      <bundles>"
+        for name, text in bundles.items():
+            yield "        " + _tag("bundle", {"name": name, "description": _one_line(text) or None}, closed=True)
+        yield "      </bundles>"
+        yield "    </Tool>"
+        yield "  </VendorAnnotations>"
     yield "  <ModelVariables>"
     for variable in model.variables:
         yield from _variable(variable)
@@ -201,13 +201,13 @@ def _lines(
 
 
 def _units(model: ir.Model) -> Iterable[str]:
-    used = [unit for unit in UNITS if any(v.unit == unit for v in model.variables)]
+    used = sorted({v.unit for v in model.variables if v.unit is not None})
     if not used:
         return
     yield "  <UnitDefinitions>"
     for unit in used:
         yield f"    <Unit name={quoteattr(unit)}>"
-        yield "      " + _tag("BaseUnit", UNITS[unit], closed=True)
+        yield "      " + _tag("BaseUnit", base_units(unit), closed=True)
         for name, (factor, offset) in DISPLAY_UNITS.get(unit, {}).items():
             if any(v.unit == unit and v.display_unit == name for v in model.variables):
                 numbers = {"name": name, "factor": factor, "offset": offset or None}
