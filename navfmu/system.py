@@ -116,7 +116,7 @@ class System:
             step=step,
             stop=stop,
             algorithm=algorithm,
-            record=self._default_record() if record is None else record,
+            record=self.signals(record),
             record_period=_default_period(stop, step) if record_period is None else record_period,
             faults=self.faults(faults),
             seed=1 if seed is None else seed,
@@ -253,12 +253,21 @@ class System:
             start[name] |= given[name]
         return start
 
-    def _default_record(self) -> list[str] | None:
-        chosen = [name for name in NAVIGATION if name in self.fmus]
-        if not chosen:
-            return None
-        return [f"{name}.{v.name}" for name in chosen for v in self.fmus[name].description.variables
-                if v.causality == "output" and v.type != "String"]  # fmt: skip
+    def signals(self, record: Sequence[str] | None = None) -> list[str]:
+        """Names to record: those given, where the name of a component stands for all its outputs.
+
+        Without names: the outputs of the evaluation and the navigator, or else all outputs.
+        """
+        if record is not None:
+            names = [record] if isinstance(record, str) else record
+            return [f"{name}.*" if name in self.fmus else name for name in names]
+        chosen = [name for name in NAVIGATION if name in self.fmus] or list(self.fmus)
+        return [
+            f"{name}.{variable.name}"
+            for name in chosen
+            for variable in self.fmus[name].description.variables
+            if variable.causality == "output" and variable.type != "String"
+        ]
 
     def _check_unconnected(self) -> None:
         fed = {target for _, target, _, _ in self.links}

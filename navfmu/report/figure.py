@@ -1,0 +1,49 @@
+"""Pictures: one look, drawn without a screen, returned as PNG."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Colours that remain distinct in print and with colour blindness (Okabe and Ito).
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+GREY = "#777777"
+_STYLE = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 11,
+    "axes.titleweight": "bold",
+    "font.size": 9.5,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "svg.hashsalt": "navfmu",
+}
+_lock = Lock()
+
+
+@contextmanager
+def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 4.5), **options: Any) -> Iterator[Any]:
+    """Yield (figure, axes) with the common style; not through pyplot, so that nothing global is kept."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with _lock, matplotlib.rc_context(_STYLE):
+        drawing = Figure(figsize=size, layout="constrained")
+        FigureCanvasAgg(drawing)
+        yield drawing, drawing.subplots(rows, columns, **options)
+
+
+def png(drawing: Figure, dpi: int = 110) -> bytes:
+    """The drawing as bytes that depend on nothing but the drawing."""
+    buffer = io.BytesIO()
+    drawing.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    return buffer.getvalue()

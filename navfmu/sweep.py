@@ -1,0 +1,337 @@
+"""How big may the communication step be? The same system at several steps, with both algorithms and the same noise.
+
+Components sample at their own periods and draw noise by counting samples, so what differs between the runs is the
+coupling and nothing else. Errors are differences from Gauss-Seidel at the smallest step, at the points in time that
+all runs share.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from navfmu.engine.clock import exact
+from navfmu.errors import NavfmuError
+from navfmu.files import write_file
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas
+
+    from navfmu.faults import Fault
+    from navfmu.system import System
+
+ALGORITHMS = ("gauss_seidel", "jacobi")
+POINTS = 10_000  # the shared points are thinned to at most about so many
+
+
+@dataclass(frozen=True)
+class Row:
+    """One signal in one run, against the reference."""
+
+    algorithm: str
+    step: float  # s
+    signal: str
+    unit: str
+    rms: float  # of the error, in unit
+    largest: float
+    span: float  # of the reference: greatest minus least value
+
+    @property
+    def relative(self) -> float:
+        """The rms error as a share of the reference's range; 0 where both are constant and equal."""
+        return 0.0 if self.rms == 0.0 else math.inf if self.span == 0.0 else self.rms / self.span
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep found."""
+
+    system: str
+    steps: tuple[float, ...]
+    stop: float
+    period: float  # s between the compared points
+    rows: tuple[Row, ...]
+    lost: dict[str, dict[tuple[str, float], int]]  # counter -> (algorithm, step) -> samples lost
+    tolerance: float
+    provenance: dict[str, Any] = field(repr=False)
+
+    def slope(self, algorithm: str, signal: str) -> float | None:
+        """Order of the error: the slope of log(rms) over log(step), by least squares; None without two errors."""
+        import numpy as np
+
+        points = [(row.step, row.rms) for row in self.of(algorithm, signal) if row.rms > 0.0 and math.isfinite(row.rms)]
+        if len(points) < 2:
+            return None
+        h, error = np.log(np.array(points)).T
+        return float(np.polyfit(h, error, 1)[0])
+
+    def of(self, algorithm: str, signal: str) -> list[Row]:
+        """The rows of one signal and algorithm, by step."""
+        return [row for row in self.rows if row.algorithm == algorithm and row.signal == signal]
+
+    @property
+    def signals(self) -> list[str]:
+        """Compared signals."""
+        return list(dict.fromkeys(row.signal for row in self.rows))
+
+    def worst(self, algorithm: str, step: float) -> Row:
+        """The signal with the greatest relative error of a run."""
+        chosen = [row for row in self.rows if row.algorithm == algorithm and row.step == step]
+        return max(chosen, key=lambda row: (row.relative, row.rms))
+
+    def loses(self, algorithm: str, step: float) -> int:
+        """Samples that get lost in a run and not at the smallest step."""
+        base = (ALGORITHMS[0], self.steps[0])
+        return sum(max(0, counts[algorithm, step] - counts[base]) for counts in self.lost.values())
+
+    def recommended(self, algorithm: str) -> float | None:
+        """The greatest step up to which every step keeps the tolerance and loses no samples."""
+        best = None
+        for step in self.steps:
+            if self.worst(algorithm, step).relative > self.tolerance or self.loses(algorithm, step):
+                break
+            best = step
+        return best
+
+    def recommendation(self) -> str:
+        """One sentence."""
+        found = {algorithm: self.recommended(algorithm) for algorithm in ALGORITHMS}
+        good = {algorithm: step for algorithm, step in found.items() if step is not None}
+        limit = f"{100 * self.tolerance:g} % of its range"
+        if not good:
+            return f"No step here keeps every signal within {limit} without losing samples: try smaller ones."
+        best = max(good, key=lambda algorithm: (good[algorithm], algorithm == ALGORITHMS[0]))
+        worst = self.worst(best, good[best])
+        other = next(algorithm for algorithm in ALGORITHMS if algorithm != best)
+        same = f"{other} up to {found[other]:g} s" if found[other] is not None else f"{other} at no step tried"
+        return (
+            f"Use {best} with steps up to {good[best]:g} s: every signal stays within {limit} "
+            f"(worst: {worst.signal}, rms error {worst.rms:.3g} {worst.unit}, {100 * worst.relative:.2g} %) and no "
+            f"sample is lost; {same}."
+        )
+
+
+def sweep(
+    system: System,
+    steps: Sequence[float],
+    signals: Sequence[str] | None = None,
+    stop: float | None = None,
+    seed: int | None = None,
+    faults: str | Path | Sequence[Fault] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    tolerance: float = 0.01,
+    jobs: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sweep:
+    """Run the system at each of the ``steps`` (s) with both algorithms and compare ``signals``.
+
+    Without ``signals`` the Real ones of the default recording are compared. The seed is the same for all runs: 1 if
+    none is given.
+    """
+    ordered = _checked_steps(steps)
+    stop = stop if stop is not None else system.structure.stop_time
+    if stop is None:
+        raise NavfmuError(f"{system.structure.origin}: suggests no stop time; give one")
+    period = _shared_period(ordered, stop)
+    seed = 1 if seed is None else seed
+    chosen_faults = system.faults(faults)
+    counters = lost_counters(system)
+    plans = {}
+    for algorithm in ALGORITHMS:
+        for step in ordered:
+            wanted = [*system.signals(signals), *counters]
+            plans[algorithm, step] = system.plan(stop, step, algorithm, seed, chosen_faults, wanted, period, parameters)
+    total = sum(plan.clock.steps for plan in plans.values())
+    frames = _run_all(system, plans, jobs, _Sum(progress, total))
+    reference = frames[ALGORITHMS[0], ordered[0]]
+    units = reference.attrs["units"]
+    compared = [name for name in reference.columns if reference[name].dtype.kind == "f"]
+    if not compared:
+        raise NavfmuError("none of the chosen signals is Real: there is nothing to compare")
+    rows = []
+    for (algorithm, step), frame in frames.items():
+        for name in compared:
+            error = frame[name].to_numpy() - reference[name].to_numpy()
+            span = float(reference[name].max() - reference[name].min())
+            rows.append(Row(algorithm, step, name, units.get(name) or "", *_size(error), span))
+    lost = {name: {key: int(frame[name].iloc[-1]) for key, frame in frames.items()} for name in counters}
+    provenance = dict(reference.attrs["provenance"]) | {"steps": list(ordered), "period": period}
+    for key in ("step", "algorithm"):
+        provenance.pop(key)
+    return Sweep(system.name, tuple(ordered), float(stop), period, tuple(rows), lost, tolerance, provenance)
+
+
+def lost_counters(system: System) -> list[str]:
+    """Outputs that count lost samples: ``component.bundle.lost``."""
+    return [
+        f"{name}.{variable.name}"
+        for name, fmu in system.fmus.items()
+        for variable in fmu.description.variables
+        if variable.causality == "output" and variable.type == "Integer" and variable.name.endswith(".lost")
+    ]
+
+
+class _Sum:
+    """One progress out of several runs at the same time."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
+        self._progress, self._total, self._lock = progress, total, Lock()
+        self._done: dict[object, int] = {}
+        self.stopped = False
+
+    def of(self, key: object) -> Callable[[int, int], None]:
+        def report(done: int, _: int) -> None:
+            if self.stopped:
+                raise KeyboardInterrupt
+            with self._lock:
+                self._done[key] = done
+                if self._progress is not None:
+                    self._progress(sum(self._done.values()), self._total)
+
+        return report
+
+
+def _run_all(system: System, plans: dict, jobs: int | None, total: _Sum) -> dict[tuple[str, float], pandas.DataFrame]:
+    """All runs in threads, the longest first; the compiled loop leaves the interpreter free."""
+    order = sorted(plans, key=lambda key: -plans[key].clock.steps)
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+        futures = {key: pool.submit(system.execute, plans[key], seed=None, progress=total.of(key)) for key in order}
+        try:
+            return {key: futures[key].result() for key in plans}
+        except BaseException:
+            total.stopped = True
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
+
+def _checked_steps(steps: Sequence[float]) -> list[float]:
+    for step in steps:
+        if not (math.isfinite(step) and step > 0):
+            raise NavfmuError(f"the step must be a positive number of seconds, not {step!r}")
+    ordered = sorted(set(float(step) for step in steps))
+    if len(ordered) < 2:
+        raise NavfmuError("a sweep needs at least two different steps")
+    return ordered
+
+
+def _shared_period(steps: Sequence[float], stop: float) -> float:
+    """The least common multiple of the steps, or a multiple of it if that gives too many points."""
+    ratios = [exact(step) for step in steps]
+    numerator = math.lcm(*(r.numerator for r in ratios))
+    common = Fraction(numerator, math.gcd(*(r.denominator for r in ratios)))
+    points = exact(stop) / common
+    if points < 2:
+        listed = ", ".join(f"{step:g}" for step in steps)
+        raise NavfmuError(f"the steps {listed} s share fewer than two points up to the stop time {stop:g} s")
+    thin = math.ceil(points / POINTS)
+    return float(common * thin)
+
+
+def _size(error: np.ndarray) -> tuple[float, float]:
+    import numpy as np
+
+    return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
+
+
+# ---- what is shown and written ---------------------------------------------------------------------------------------
+
+
+def show(result: Sweep, report: Path | None) -> None:
+    """Print the table, the lost samples and the recommendation."""
+    from rich.table import Table
+
+    from navfmu.info import console
+
+    out = console()
+    table = Table(title=f"{result.system}: rms error against {_reference(result)}", title_justify="left", box=None)
+    table.add_column("signal", no_wrap=True)
+    table.add_column("unit")
+    table.add_column("algorithm")
+    for step in result.steps:
+        table.add_column(f"{step:g} s", justify="right")
+    table.add_column("slope", justify="right")
+    for signal in result.signals:
+        for algorithm in ALGORITHMS:
+            rows = result.of(algorithm, signal)
+            slope = result.slope(algorithm, signal)
+            order = "" if slope is None else f"{slope:.2f}"
+            numbers = (f"{row.rms:.3g}" for row in rows)
+            table.add_row(signal.replace("[", r"\["), rows[0].unit, algorithm, *numbers, order)
+    out.print(table)
+    if any(any(counts.values()) for counts in result.lost.values()):
+        table = Table(title="samples lost between components", title_justify="left", box=None)
+        table.add_column("counter")
+        table.add_column("algorithm")
+        for step in result.steps:
+            table.add_column(f"{step:g} s", justify="right")
+        for name, counts in result.lost.items():
+            for algorithm in ALGORITHMS:
+                numbers = [counts[algorithm, step] for step in result.steps]
+                if any(numbers):
+                    table.add_row(name, algorithm, *map(str, numbers))
+        out.print(table)
+    elif result.lost:
+        out.print("no samples were lost at any step")
+    out.print(result.recommendation(), soft_wrap=True)
+    if report is not None:
+        out.print(f"report: {report}", soft_wrap=True)
+
+
+def _reference(result: Sweep) -> str:
+    return f"{ALGORITHMS[0]} at {result.steps[0]:g} s"
+
+
+def table(result: Sweep) -> list[dict[str, Any]]:
+    """All numbers, one row for each run and signal."""
+    return [
+        {
+            "algorithm": row.algorithm,
+            "step": row.step,
+            "signal": row.signal,
+            "unit": row.unit,
+            "rms_error": row.rms,
+            "largest_error": row.largest,
+            "reference_span": row.span,
+            "slope": result.slope(row.algorithm, row.signal),
+            "lost_samples": sum(counts[row.algorithm, row.step] for counts in result.lost.values()),
+        }
+        for row in result.rows
+    ]
+
+
+def write(result: Sweep, folder: str | Path) -> Path:
+    """Write ``sweep.csv``, ``sweep.json``, ``sweep.png`` and ``report.html``; return the path of the report."""
+    from navfmu.report.sweep import picture, report
+
+    folder = Path(folder)
+    rows = table(result)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    about = {
+        "recommendation": result.recommendation(),
+        "reference": _reference(result),
+        "provenance": result.provenance,
+        "lost": {
+            name: [{"algorithm": a, "step": s, "lost": n} for (a, s), n in counts.items()]
+            for name, counts in result.lost.items()
+        },
+        "errors": rows,
+    }
+    png = picture(result)
+    write_file(folder / "sweep.csv", text.getvalue())
+    write_file(folder / "sweep.json", json.dumps(about, indent=2) + "\n")
+    write_file(folder / "sweep.png", png)
+    return write_file(folder / "report.html", report(result, png))
