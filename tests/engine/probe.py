@@ -1,0 +1,126 @@
+"""The test FMU ``probe.c`` as components of a system: a lag, and windows on what its master does."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navfmu.engine import compiled, reference
+from navfmu.engine.library import RUNTIME
+from navfmu.engine.plan import Component, Connection, Plan, Variable, make_plan
+from navfmu.engine.recording import Recording
+from navfmu.export import toolchain
+
+HERE = Path(__file__).parent
+
+
+@cache
+def library() -> Path:
+    """The compiled probe; kept between test runs."""
+    source = HERE / "probe.c"
+    name = hashlib.sha256(source.read_bytes()).hexdigest()[:12]
+    path = Path(tempfile.gettempdir()) / f"navfmu-probe-{name}" / f"probe{toolchain.suffix('host')}"
+    return path if path.exists() else toolchain.compile_shared([source], path, include=[RUNTIME])
+
+
+def _variables() -> dict[str, Variable]:
+    real = [
+        ("u", "input", "continuous", None, 0.0),
+        ("y", "output", "continuous", None, None),
+        ("tau", "parameter", "fixed", "exact", 1.0),
+        ("gain", "parameter", "tunable", "exact", 1.0),
+        ("start", "parameter", "fixed", "exact", 0.0),
+        ("fail_at", "parameter", "fixed", "exact", 1e9),
+        ("seen", "output", "discrete", None, None),  # u at the end of the step
+        ("slope", "output", "discrete", None, None),
+        ("time", "local", "continuous", None, None),
+        ("data.value", "output", "discrete", None, None),
+        ("data.time_of_validity", "output", "discrete", None, None),
+        ("current", "output", "discrete", None, None),  # u + 100, computed once, at the end of initialisation
+        ("sets", "local", "discrete", None, None),  # how many times something was set
+    ]
+    integer = [
+        ("number", "input", "discrete", None, 0),
+        ("echo", "output", "discrete", None, None),
+        ("fail_status", "parameter", "fixed", "exact", 0),
+        ("fail_call", "parameter", "fixed", "exact", 0),
+        ("data.sequence", "output", "discrete", None, None),
+    ]
+    boolean = [
+        ("flag", "input", "discrete", None, False),
+        ("flag_echo", "output", "discrete", None, None),
+        ("data.valid", "output", "discrete", None, None),
+    ]
+    ranges = {"tau": (1e-3, None), "gain": (-10.0, 10.0)}
+    variables = {"label": Variable("label", 0, "String", "parameter", "fixed", "exact", "probe")}
+    for kind, rows in (("Real", real), ("Integer", integer), ("Boolean", boolean)):
+        for reference_, (name, causality, variability, initial, start) in enumerate(rows):
+            low, high = ranges.get(name, (None, None))
+            variables[name] = Variable(
+                name,
+                reference_,
+                kind,
+                causality,
+                variability,
+                initial,
+                start,
+                "1" if kind == "Real" else None,
+                low,
+                high,
+            )
+    return variables
+
+
+VARIABLES = _variables()
+
+
+def probe(name: str, *, interpolates: bool = False, restores: bool = True, **start: Any) -> Component:
+    """A component; ``start`` gives parameters and inputs."""
+    return Component(
+        name=name,
+        directory=library().parent,
+        library=library(),
+        identifier="probe",
+        guid="{probe}",
+        variables=VARIABLES,
+        start=start,
+        interpolates=interpolates,
+        restores=restores,
+    )
+
+
+def ring(count: int = 6, **start: Any) -> tuple[list[Component], list[Connection]]:
+    """Lags in a circle."""
+    lags = [probe(f"lag{i}", **({"start": 1.0} | start)) for i in range(count)]
+    return lags, [Connection(f"lag{i}.y", f"lag{(i + 1) % count}.u") for i in range(count)]
+
+
+def chain(count: int, *, interpolates: bool = False, **start: Any) -> tuple[list[Component], list[Connection]]:
+    """Lags in a row; the first has the input u, every lag starts at 0."""
+    lags = [probe(f"lag{i}", interpolates=interpolates, **(start if i == 0 else {})) for i in range(count)]
+    return lags, [Connection(f"lag{i}.y", f"lag{i + 1}.u") for i in range(count - 1)]
+
+
+def run_both(plan: Plan) -> Recording:
+    """Run a plan in both engines, which must agree to the last bit."""
+    fast, slow = compiled.run(plan), reference.run(plan)
+    assert fast.names == slow.names
+    assert fast.time.tobytes() == slow.time.tobytes()
+    different = [name for name in fast.names if fast[name].tobytes() != slow[name].tobytes()]
+    assert not different, f"engines differ in {different}"
+    return fast
+
+
+def simulate(system: tuple[list[Component], list[Connection]], **options: Any) -> Recording:
+    """Plan and run a system in both engines."""
+    return run_both(make_plan(*system, **options))
+
+
+def rows(recording: Recording) -> np.ndarray:
+    """Communication points of a recording as whole numbers of its first step."""
+    return np.round(recording.time / recording.time[1]).astype(int)

@@ -1,0 +1,109 @@
+"""What does not fit together is told in a sentence."""
+
+import dataclasses
+
+import pytest
+
+from navfmu.engine.plan import Connection, make_plan
+from navfmu.errors import NavfmuError
+from tests.engine.probe import chain, probe, ring
+
+
+def plan(components=None, connections=(), **options):
+    return make_plan(components or [probe("a"), probe("b")], connections, **({"step": 0.1, "stop": 1.0} | options))
+
+
+@pytest.mark.parametrize(
+    ("connection", "sentence"),
+    [
+        (("aa.y", "b.u"), r"connection aa.y -> b.u: there is no component 'aa'; did you mean 'a'\?"),
+        (("a.yy", "b.u"), r"component 'a' has no variable 'yy'; did you mean 'y'\?"),
+        (("a", "b.u"), "component 'a' has no variable ''"),
+        (("a.u", "b.u"), r"'a.u' is not an output \(input\)"),
+        (("a.y", "b.seen"), r"'b.seen' is not an input \(output\)"),
+        (("a.y", "b.number"), "a Real cannot be connected to a Integer"),
+        (("a.flag_echo", "b.u"), "a Boolean cannot be connected to a Real"),
+    ],
+)
+def test_impossible_connections(connection, sentence):
+    with pytest.raises(NavfmuError, match=sentence):
+        plan(connections=[Connection(*connection)])
+
+
+def test_an_input_with_two_sources():
+    with pytest.raises(NavfmuError, match=r"input 'b.u' has two sources: 'a.y' and 'a.seen'"):
+        plan(connections=[Connection("a.y", "b.u"), Connection("a.seen", "b.u")])
+
+
+def test_whole_numbers_cannot_be_scaled():
+    with pytest.raises(NavfmuError, match="only Real values can be scaled"):
+        plan(connections=[Connection("a.echo", "b.number", factor=2.0)])
+
+
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ({"taw": 1.0}, r"component 'a' has no variable 'taw'; did you mean 'tau'\?"),
+        ({"tau": 0.0}, r"'a.tau' = 0 is outside its range 0.001 to inf"),
+        ({"gain": 11.0}, r"'a.gain' = 11 is outside its range -10 to 10"),
+        ({"tau": "fast"}, "must be a number, not 'fast'"),
+        ({"tau": True}, "must be a number, not True"),
+        ({"number": 1.5}, "must be a whole number, not 1.5"),
+        ({"flag": "yes"}, "must be true or false, not 'yes'"),
+        ({"label": 3}, "must be a text, not 3"),
+        ({"y": 1.0}, "'a.y' cannot be given a start value: it is a continuous output"),
+        ({"tau": [1.0, 2.0]}, "'a.tau' has 1 elements but 2 start values"),
+    ],
+)
+def test_impossible_start_values(start, sentence):
+    with pytest.raises(NavfmuError, match=sentence):
+        plan([probe("a", **start)])
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("a.yy", r"recorded signal 'a.yy': component 'a' has no variable 'yy'; did you mean 'y'\?"),
+        ("c.y", "there is no component 'c'"),
+        ("x*", "no output matches the pattern"),
+        ("a.y@false", "after @ only 'true' is known"),
+        ("a.u@true", "only outputs have a true value"),
+        ("a.label", "a String cannot be recorded"),
+    ],
+)
+def test_impossible_recordings(name, sentence):
+    with pytest.raises(NavfmuError, match=sentence):
+        plan(record=[name])
+
+
+def test_unknown_algorithm():
+    with pytest.raises(NavfmuError, match=r"unknown algorithm 'jacoby'; did you mean 'jacobi'\?"):
+        plan(algorithm="jacoby")
+
+
+def test_two_components_of_one_name():
+    with pytest.raises(NavfmuError, match="two components have the name 'a'"):
+        plan([probe("a"), probe("a")])
+
+
+def test_an_fmu_that_allows_one_instance_only():
+    lonely = [dataclasses.replace(probe(name), single=True) for name in "ab"]
+    with pytest.raises(NavfmuError, match="allows one instance in a process only"):
+        plan(lonely)
+
+
+def test_a_system_without_components():
+    with pytest.raises(NavfmuError, match="the system has no components"):
+        make_plan([], [], step=0.1, stop=1.0)
+
+
+def test_bundles_arrays_and_patterns_name_several_columns():
+    names = [c.name for c in plan(record=["a.data", "b.*_echo", "a.y", "a.y@true", "a.data.valid"]).recorded]
+    bundle = ["a.data.value", "a.data.time_of_validity", "a.data.sequence", "a.data.valid"]
+    assert names == [*bundle, "b.flag_echo", "a.y", "a.y@true"]
+
+
+def test_only_what_is_needed_is_read():
+    needed = make_plan(*chain(2), step=0.1, stop=1.0, record=["lag1.y"])
+    assert needed.signals == ("lag0.y", "lag1.y")
+    assert make_plan(*ring(), step=0.1, stop=1.0, record=["lag3.time"]).signals.count("lag3.time") == 1

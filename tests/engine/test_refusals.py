@@ -1,0 +1,84 @@
+"""An FMU that refuses a call ends its run with its own words; what was recorded before is kept."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+from navfmu.engine import compiled, reference
+from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.recording import RunError
+from navfmu.errors import NavfmuError
+from tests.engine.probe import probe
+
+ENGINES = pytest.mark.parametrize("engine", [compiled, reference])
+STEP, EXIT, GET, SET, WARN = range(5)
+DISCARD, ERROR, FATAL, PENDING = 2, 3, 4, 5
+
+
+def plan(call, status, fail_at=0.5, **options):
+    bad = probe("bad", fail_call=call, fail_status=status, fail_at=fail_at, label="sensor 100% out", **options)
+    system = [probe("good", start=1.0), bad], [Connection("good.y", "bad.u")]
+    return make_plan(*system, step=0.1, stop=1.0, record=["good.y", "bad.y"])
+
+
+@ENGINES
+@pytest.mark.parametrize(("status", "name"), [(DISCARD, "Discard"), (ERROR, "Error"), (FATAL, "Fatal")])
+def test_a_refused_step_ends_the_run_with_the_message_of_the_fmu(engine, status, name):
+    with pytest.raises(RunError) as raised:
+        engine.run(plan(STEP, status, fail_at=0.45))
+    assert str(raised.value) == (
+        f"component 'bad': sensor 100% out gave up at 0.5 s after 42 (fmi2DoStep returned {name} at t = 0.4 s)"
+    )
+    recorded = raised.value.recording
+    assert np.array_equal(recorded.time, [0.0, 0.1, 0.2, 0.3, 0.4])
+    np.testing.assert_allclose(recorded["good.y"], 0.9 ** np.arange(5))
+
+
+@ENGINES
+def test_an_asynchronous_step_is_refused(engine):
+    with pytest.raises(RunError, match=r"asynchronous steps are not supported \(fmi2DoStep returned Pending"):
+        engine.run(plan(STEP, PENDING))
+
+
+@ENGINES
+@pytest.mark.parametrize(("call", "name"), [(GET, "fmi2GetReal"), (SET, "fmi2SetReal")])
+def test_every_call_is_checked(engine, call, name):
+    with pytest.raises(RunError, match=re.escape(f"({name} returned Error at t = 0.")):
+        engine.run(plan(call, ERROR))
+
+
+@ENGINES
+def test_a_refusal_during_initialisation(engine):
+    with pytest.raises(RunError, match=r"42 \(fmi2ExitInitializationMode returned Error at t = 0 s\)") as raised:
+        engine.run(plan(EXIT, ERROR, fail_at=0.0))
+    assert raised.value.recording is None
+
+
+@ENGINES
+def test_an_fmu_that_cannot_be_instantiated(engine):
+    stranger = dataclasses.replace(probe("stranger"), guid="{other}")
+    with pytest.raises(RunError, match=r"component 'stranger' could not be instantiated: guid {other} is not mine"):
+        engine.run(make_plan([stranger], [], step=0.1, stop=1.0))
+
+
+def test_a_binary_that_is_none_is_named(tmp_path):
+    text = tmp_path / "probe.so"
+    text.write_text("not a library")
+    broken = dataclasses.replace(probe("broken"), library=text)
+    with pytest.raises(NavfmuError, match=r"component 'broken': the binary .*probe.so cannot be loaded"):
+        compiled.run(make_plan([broken], [], step=0.1, stop=1.0))
+
+
+def test_warnings_go_on_and_are_told():
+    recording = compiled.run(plan(WARN, 1))
+    assert len(recording.time) == 11
+    (warning,) = recording.warnings
+    assert warning == "component 'bad' warned 6 times, at last: sensor 100% out gave up at 1 s after 42"
+
+
+def test_a_run_that_failed_leaves_the_others_alone():
+    with pytest.raises(RunError):
+        compiled.run(plan(STEP, ERROR))
+    assert compiled.run(plan(STEP, 0)).time[-1] == 1.0

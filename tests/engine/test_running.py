@@ -1,0 +1,74 @@
+"""Progress, interruption and threads."""
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from navfmu.engine import compiled, library
+from navfmu.engine.compiled import Compiled
+from navfmu.engine.plan import make_plan
+from tests.engine.probe import chain, ring
+
+
+def test_progress_is_told_while_running_and_ends_at_the_last_step():
+    seen = []
+    compiled.run(make_plan(*ring(), step=0.001, stop=100.0, record=[]), lambda done, all_: seen.append((done, all_)))
+    assert len(seen) > 3
+    assert seen == sorted(seen)
+    assert seen[-1] == (100_000, 100_000)
+
+
+def test_ctrl_c_gets_its_turn():
+    def press(done, all_):
+        if done > 1000:
+            raise KeyboardInterrupt
+
+    plan = make_plan(*ring(), step=0.001, stop=100_000.0, record=[])
+    with Compiled(plan) as engine, pytest.raises(KeyboardInterrupt):
+        engine.run(press)
+    assert engine.k < plan.clock.steps
+
+
+def test_another_thread_can_watch_and_stop_a_run():
+    plan = make_plan(*ring(), step=0.001, stop=1_000_000.0, record=["lag0.y"], record_period=1000.0)
+    with Compiled(plan) as engine:
+        engine.initialise()
+        runner = threading.Thread(target=engine.advance)
+        runner.start()
+        while engine.k == 0:
+            time.sleep(0.001)
+        assert runner.is_alive()  # the loop holds no lock
+        engine.interrupt()
+        runner.join(timeout=10)
+        assert not runner.is_alive()
+        assert 0 < engine.k < plan.clock.steps
+        assert len(engine.recording().time) == engine.k // 1_000_000 + 1
+
+
+def test_engines_in_threads_do_what_one_does():
+    plan = make_plan(*chain(5, start=1.0, interpolates=True), step=0.001, stop=20.0)
+    alone = compiled.run(plan).values.tobytes()
+    with ThreadPoolExecutor(4) as pool:
+        assert all(r.values.tobytes() == alone for r in pool.map(compiled.run, [plan] * 8))
+
+
+def test_many_engines_are_made_and_freed():
+    plan = make_plan(*ring(), step=0.1, stop=0.2)
+    with Compiled(plan):  # another one that stays
+        assert {compiled.run(plan).values.tobytes() for _ in range(200)} == {compiled.run(plan).values.tobytes()}
+
+
+def test_the_binary_is_named_after_its_sources(monkeypatch):
+    path = library.binary()
+    assert library.source_hash() in path.name
+    assert path.parent.name == library.toolchain.host()
+    monkeypatch.setattr(library, "source_hash", lambda: "0" * 12)
+    monkeypatch.setattr(library.toolchain, "compile_shared", refuse)
+    with pytest.raises(library.NavfmuError, match=r"the engine has no binary for .* and cannot be built: no compiler"):
+        library.binary()
+
+
+def refuse(*_args, **_options):
+    raise library.NavfmuError("no compiler")
