@@ -27,7 +27,7 @@ def philox(counter: tuple[int, int, int, int], key: tuple[int, int]) -> tuple[in
 
 
 def uniform(word: int) -> float:
-    """Return a number in (0, 1), never 0 or 1, from 64 random bits."""
+    """Return a number in (0, 1], never 0, from 64 random bits."""
     return ((word >> 11) + 0.5) * 2.0**-53
 
 

@@ -73,7 +73,7 @@ EXACT = {
     "sums over axes": (lambda m: m.sum(axis=0) + np.sum(m, axis=1) + np.prod(m, axis=0), M),
     "very long sum": (lambda v: np.sum(np.tile(v, 9)), V),
     "mean": (lambda m, v: np.mean(m, axis=0) + v.mean(), M, V),
-    "python sum and for": (lambda v: sum(v[:5]) + sum(x * y for x, y in zip(v[:-1], v[1:], strict=True)), V),
+    "python sum and for": (lambda v: sum(v[:5]) + sum(x * y for x, y in zip(v[:9], v[9:18], strict=True)), V),
     "unpacking": (lambda a: (lambda x, y, z: np.array([z, y, x]))(*a), A),
     "index arrays": (lambda v: v[[0, 5, 3]] + v[np.array([1, 2, 3])] + v[-3:], V),
     "constant mask": (lambda v: v[np.arange(37) % 5 == 0], V),

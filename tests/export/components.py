@@ -1,0 +1,96 @@
+"""Small components that the exporter's tests share."""
+
+import numpy as np
+
+from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
+
+
+class Sensor(Component):
+    """Noisy sensor.
+
+    Its reading is s = u + b + w, with a random bias b.
+    """
+
+    u = Input(2, "m", description="true value")
+    broken = Input(kind="boolean", fault=True, description="no readings while true")
+    sigma = Parameter("m", start=0.1, min=0, max=10, description="1-sigma of bias and noise")
+    gain = Parameter("1", start=1.0, min=0.5, tunable=True, description="scale factor")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
+    bias = State(2, "m", description="bias")
+    reading = Bundle(s=Output(2, "m", description="measured value"), description="measurement")
+
+    @start
+    def turn_on(self, noise):
+        self.bias = self.sigma * noise(2)
+
+    @every("sample_period")
+    def sample(self, noise):
+        s = self.gain * self.u + self.bias + self.sigma * noise(2)
+        self.reading.publish(s=s, when=~self.broken)
+
+    @require("sigma {sigma} m must be below a tenth of gain {gain}")
+    def precise(self):
+        return self.sigma <= 0.1 * self.gain
+
+
+class Listener(Component):
+    """Counts and holds what a bundle brings."""
+
+    tick = "sample_period"
+    reading = Bundle(s=Input(2, "m", description="measured value"))
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
+    held = Output(2, "m", description="last value")
+    seen_at = Output("s", description="time of the last update")
+    updates = Output(kind="integer", description="number of updates")
+
+    @on_new("reading")
+    def update(self):
+        self.held = np.where(self.reading.valid, self.reading.s, self.held)
+        self.seen_at = self.time
+        self.updates = self.updates + 1
+
+
+class Source(Component):
+    """Ramp from a table: a source whose output is known at t = 0."""
+
+    offset = Parameter("m", start=0.5, description="added to the table")
+    sample_period = Parameter("s", start=0.05, min=1e-3, description="sampling period")
+    track = Table(columns=(("time", "s"), ("x", "m")), rows=[[0.0, 0.0], [1.0, 2.0], [3.0, 0.0]])
+    x = Output("m", description="position")
+
+    @start
+    def begin(self):
+        self.x = self.track.row[1] + self.offset
+
+    @every("sample_period")
+    def move(self):
+        row, following = self.track.row, self.track.next_row
+        part = np.clip((self.time - row[0]) / (following[0] - row[0]), 0.0, 1.0)
+        self.x = row[1] + part * (following[1] - row[1]) + self.offset
+
+
+class TwoRates(Component):
+    """Two clocks, with tasks that see each other's results in the order of their declaration."""
+
+    u = Input("m", description="input")
+    fast = Parameter("s", start=0.1, min=0.01, description="fast period")
+    slow = Parameter("s", start=0.3, min=0.01, description="slow period")
+    count = Output(2, "1", description="runs of the fast and the slow task")
+    slow_sees = Output("1", description="fast runs that the slow task saw")
+    sampled = Output("m", description="input at the last fast tick")
+    times = Output(2, "s", description="time of the last fast and slow tick")
+    periods = State(2, "s", description="periods as the tasks see them")
+
+    @every("fast")
+    def quick(self):
+        self.count = self.count + np.array([1.0, 0.0])
+        self.sampled = self.u
+        self.times = np.array([self.time, self.times[1]])
+        self.periods = np.array([self.period, self.periods[1]])
+
+    @every("slow")
+    def calm(self):
+        self.count = self.count + np.array([0.0, 1.0])
+        self.slow_sees = self.count[0]
+        self.times = np.array([self.times[0], self.time])
+        self.periods = np.array([self.periods[0], self.period])

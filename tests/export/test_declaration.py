@@ -1,0 +1,320 @@
+"""What a component class declares, and the sentences about what is wrong with it."""
+
+import re
+
+import numpy as np
+import pytest
+
+from navfmu.errors import NavfmuError
+from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
+from navfmu.export.interpreter import Interpreter
+from navfmu.export.lower import lower
+
+from .components import Listener, Sensor, Source
+
+
+def refused(make, *parts):
+    """Call ``make``; it must raise a sentence with this file, a line, and the parts."""
+    with pytest.raises(NavfmuError) as caught:
+        make()
+    sentence = str(caught.value)
+    assert re.match(re.escape(__file__) + r", line \d+: ", sentence), sentence
+    for part in parts:
+        assert part in sentence, sentence
+
+
+def test_variables_keep_the_order_of_declaration_and_arrays_are_contiguous():
+    assert [v.name for v in Sensor.layout.variables] == [
+        "u[1]", "u[2]", "broken", "sigma", "gain", "sample_period", "bias[1]", "bias[2]",
+        "reading.s[1]", "reading.s[2]", "reading.valid", "reading.sequence", "reading.time_of_validity",
+        "seed", "stream",
+    ]  # fmt: skip
+    assert [v.index for v in Sensor.layout.variables] == list(range(15))
+
+
+def test_matrix_elements_are_named_from_one_in_rows():
+    class Grid(Component):
+        """Grid."""
+
+        m = Input((2, 3), "m", start=[[1, 2, 3], [4, 5, 6]], description="matrix")
+
+    assert [(v.name, v.start) for v in Grid.layout.variables] == [
+        ("m[1,1]", 1.0), ("m[1,2]", 2.0), ("m[1,3]", 3.0), ("m[2,1]", 4.0), ("m[2,2]", 5.0), ("m[2,3]", 6.0),
+    ]  # fmt: skip
+
+
+def test_name_description_and_text_come_from_the_class():
+    assert (Sensor.layout.name, Sensor.layout.description) == ("sensor", "Noisy sensor.")
+    assert Sensor.layout.text == "Its reading is s = u + b + w, with a random bias b."
+
+    class AirDataComputer(Component):
+        """Air data."""
+
+    class Other(Component):
+        """Other."""
+
+        name = "chosen"
+
+    assert AirDataComputer.layout.name == "air_data_computer"
+    assert Other.layout.name == "chosen"
+
+
+def test_streams_of_different_components_differ_and_do_not_change():
+    def stream(component):
+        return next(v.start for v in component.layout.variables if v.name == "stream")
+
+    class Another(Component):
+        """Noise."""
+
+        T = Parameter("s", start=1.0)
+        y = Output("1")
+
+        @every("T")
+        def step(self, noise):
+            self.y = noise(1)[0]
+
+    assert stream(Sensor) == 1015420848
+    assert stream(Another) != stream(Sensor)
+    assert "seed" not in Listener.layout.fields
+
+
+def test_attributes_reach_the_lowered_model():
+    model = lower(Sensor)
+    by_name = {v.name: v for v in model.variables}
+    assert (by_name["u[1]"].causality, by_name["u[1]"].variability, by_name["u[1]"].initial) == (
+        "input",
+        "continuous",
+        None,
+    )
+    assert (
+        by_name["broken"].fault and by_name["broken"].type == "Boolean" and by_name["broken"].variability == "discrete"
+    )
+    assert (by_name["sigma"].min, by_name["sigma"].max, by_name["sigma"].variability) == (0.0, 10.0, "fixed")
+    assert by_name["gain"].variability == "tunable"
+    assert (by_name["bias[2]"].causality, by_name["bias[2]"].initial) == ("local", "calculated")
+    assert (by_name["reading.s[1]"].bundle, by_name["reading.s[1]"].initial) == ("reading", "exact")
+    assert (by_name["reading.sequence"].type, by_name["reading.valid"].type) == ("Integer", "Boolean")
+    assert (model.variables[model.seed].name, model.variables[model.stream].name) == ("seed", "stream")
+    assert model.documentation["text"].startswith("Its reading")
+    assert "self.gain * self.u" in model.documentation["tasks"][1]["source"]
+
+
+def test_only_changed_variables_are_targets():
+    model = lower(Listener)
+    names = [model.variables[i].name for i in model.tasks[0].targets]
+    assert names == ["held[1]", "held[2]", "seen_at", "updates"]
+
+    class Half(Component):
+        """Keeps its second element."""
+
+        T = Parameter("s", start=1.0)
+        x = State(2, "1")
+
+        @every("T")
+        def step(self):
+            self.x = np.array([1.0, self.x[1]])
+
+    model = lower(Half)
+    assert [model.variables[i].name for i in model.tasks[0].targets] == ["x[1]"]
+
+
+def test_tasks_refer_to_their_clock_and_bundle():
+    model = lower(Listener)
+    task, names = model.tasks[0], [v.name for v in model.variables]
+    assert task.kind == "on_new"
+    assert [names[i] for i in (task.period, task.sequence, task.time_of_validity, task.lost)] == [
+        "sample_period", "reading.sequence", "reading.time_of_validity", "reading.lost",
+    ]  # fmt: skip
+    sensor = lower(Sensor)
+    assert [(t.kind, t.normals) for t in sensor.tasks] == [("start", 2), ("every", 2)]
+    assert len({t.stream for t in sensor.tasks}) == 2
+
+
+def test_source_outputs_are_calculated_at_the_start():
+    model = lower(Source)
+    assert {v.name: v.initial for v in model.variables}["x"] == "calculated"
+    assert model.tables[0].columns == ("time", "x")
+    assert [f.function.numel_in(3) for f in model.tasks] == [4, 4]
+
+
+def test_components_can_inherit():
+    class Better(Sensor):
+        """Better sensor."""
+
+        extra = Output("m")
+
+    assert [v.name for v in Better.layout.variables][:3] == ["u[1]", "u[2]", "broken"]
+    assert "extra" in Better.layout.fields
+    assert "extra" not in Sensor.layout.fields
+    assert [t.name for t in Better.layout.tasks] == ["turn_on", "sample"]
+
+
+DECLARATIONS = {
+    "no unit": (lambda: Input(3), "unit"),
+    "bad kind": (lambda: Input("m", kind="reel"), "did you mean 'real'?"),
+    "start of wrong shape": (lambda: Input(3, "m", start=(1, 2)), "start has shape (2,)", "(3,)"),
+    "bound of wrong shape": (lambda: Parameter(3, "m", min=(1, 2)), "(2,)"),
+    "tunable input": (lambda: Input("m", tunable=True), "parameters"),
+    "fault output": (lambda: Output("m", fault=True), "inputs"),
+    "mixed bundle": (lambda: Bundle(a=Input("m"), b=Output("m")), "all Input or all Output"),
+    "member called valid": (lambda: Bundle(valid=Input("m")), "'valid'"),
+    "every number": (lambda: every(0.1), "name of a Parameter"),
+    "on_new without name": (lambda: on_new(None), "input Bundle"),
+    "table of wrong width": (lambda: Table(columns=(("time", "s"),), rows=[[0, 1], [1, 2]]), "(2, 2)"),
+    "table out of order": (lambda: Table(columns=(("time", "s"),), rows=[[1], [0]]), "increase"),
+}
+
+
+@pytest.mark.parametrize("name", DECLARATIONS)
+def test_wrong_declarations_are_refused_with_file_and_line(name):
+    make, *parts = DECLARATIONS[name]
+    refused(make, *parts)
+
+
+def _class(**members):
+    return lambda: type("Made", (Component,), {"__doc__": "Made.", **members})
+
+
+def _quiet():
+    return lambda self: None
+
+
+def _greedy():
+    return lambda self, noise, more: None
+
+
+CLASSES = {
+    "unknown period": (_class(T=Parameter("s"), step=every("S")(_quiet())), "'S'", "Parameter in s"),
+    "period of two": (_class(T=Parameter(2, "s"), step=every("T")(_quiet())), "'T'"),
+    "tunable period": (_class(T=Parameter("s", tunable=True), step=every("T")(_quiet())), "tunable"),
+    "unknown bundle": (
+        _class(fix=Bundle(x=Input("m")), T=Parameter("s"), tick="T", on=on_new("fixx")(_quiet())),
+        "did you mean 'fix'?",
+    ),
+    "output bundle": (
+        _class(fix=Bundle(x=Output("m")), T=Parameter("s"), tick="T", on=on_new("fix")(_quiet())),
+        "'fix'",
+    ),
+    "no clock": (_class(fix=Bundle(x=Input("m")), on=on_new("fix")(_quiet())), "tick ="),
+    "two tasks on a bundle": (
+        _class(f=Bundle(x=Input("m")), T=Parameter("s"), tick="T", a=on_new("f")(_quiet()), b=on_new("f")(_quiet())),
+        "two tasks",
+    ),
+    "arguments": (_class(T=Parameter("s"), step=every("T")(_greedy())), "noise"),
+    "reserved name": (_class(time=Input("s")), "'time'"),
+    "sentence names nothing": (_class(a=Parameter("s"), c=require("{aa} is wrong")(_quiet())), "did you mean 'a'?"),
+    "name": (_class(name="air data"), "identifier"),
+}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_wrong_classes_are_refused_with_file_and_line(name):
+    make, *parts = CLASSES[name]
+    refused(make, *parts)
+
+
+class Playground(Component):
+    """Everything a task could touch."""
+
+    u = Input(3, "m", start=(1, 2, 3))
+    fix = Bundle(x=Input("m"))
+    out = Bundle(y=Output(2, "m"))
+    gain = Parameter("1", start=2.0)
+    T = Parameter("s", start=1.0)
+    state = State(3, "m")
+    whole = Output(kind="integer")
+
+
+def _run_in(mode, body):
+    class Ground(Playground):
+        """Playground."""
+
+        step = every("T")(body)
+
+    if mode == "traced":
+        lower(Ground)
+    else:
+        run = Interpreter(Ground)
+        run.setup()
+        run.do_step(0.0, 1.0)
+
+
+def _set(name, value):
+    return lambda self: setattr(self, name, value)
+
+
+def _store(self):
+    self.u[0] = 1.0
+
+
+TASKS = {
+    "assign an input": (_set("u", np.zeros(3)), "'u'", "input"),
+    "assign a parameter": (_set("gain", 1.0), "'gain'", "parameter"),
+    "assign a bundle": (_set("out", 1.0), "publish"),
+    "assign the time": (_set("time", 1.0), "'time'"),
+    "wrong shape": (_set("state", np.zeros(2)), "(2,)", "(3,)"),
+    "number for an array": (_set("state", 1.0), "()", "(3,)"),
+    "unknown name": (_set("stat", np.zeros(3)), "did you mean 'state'?"),
+    "read an unknown name": (lambda self: self.gian, "did you mean 'gain'?"),
+    "unknown member": (lambda self: self.fix.xx, "did you mean 'x'?"),
+    "publish an unknown member": (lambda self: self.out.publish(z=1.0), "'z'"),
+    "publish a wrong shape": (lambda self: self.out.publish(y=1.0, when=self.gain > 0), "(2,)"),
+    "publish an input": (lambda self: self.fix.publish(x=1.0), "input"),
+    "assign a member": (lambda self: setattr(self.out, "y", 1.0), "publish(y="),
+}
+
+
+@pytest.mark.parametrize("mode", ["traced", "floats"])
+@pytest.mark.parametrize("name", TASKS)
+def test_wrong_tasks_are_refused_with_file_and_line_in_both_modes(name, mode):
+    body, *parts = TASKS[name]
+    refused(lambda: _run_in(mode, body), *parts)
+
+
+def test_reading_gives_read_only_arrays_in_both_modes():
+    refused(lambda: _run_in("traced", _store), "read-only")
+    with pytest.raises(ValueError, match="read-only"):
+        _run_in("floats", _store)
+
+
+def test_failures_of_numpy_while_tracing_get_file_and_line():
+    def wrong_shapes(self):
+        self.state = self.u + np.zeros(4)
+
+    def index(self):
+        self.whole = np.array([1, 2, 3])[self.whole]
+
+    for body in (wrong_shapes, index):
+        refused(lambda body=body: _run_in("traced", body), "plain NumPy", f"line {body.__code__.co_firstlineno + 1}")
+
+
+def test_requirements_are_over_parameters():
+    class Wrong(Component):
+        """Wrong."""
+
+        u = Input("m")
+
+        @require("u")
+        def check(self):
+            return self.u > 0
+
+    refused(lambda: lower(Wrong), "'u'")
+
+
+def test_a_task_may_use_start_twice():
+    class Two(Component):
+        """Two start tasks, the second sees the first."""
+
+        x = Output("1")
+
+        @start
+        def first(self):
+            self.x = 2.0
+
+        @start
+        def second(self):
+            self.x = 3 * self.x
+
+    run = Interpreter(Two)
+    run.setup()
+    assert run.get("x") == 6.0
