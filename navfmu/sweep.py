@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from navfmu.system import System
 
 ALGORITHMS = ("gauss_seidel", "jacobi")
+ROUNDING = 1e-12  # errors below this share of a signal's range are none
 POINTS = 10_000  # the shared points are thinned to at most about so many
 
 
@@ -52,6 +53,11 @@ class Row:
         """The rms error as a share of the reference's range; 0 where both are constant and equal."""
         return 0.0 if self.rms == 0.0 else math.inf if self.span == 0.0 else self.rms / self.span
 
+    @property
+    def counts(self) -> bool:
+        """Whether the error is more than rounding."""
+        return ROUNDING * self.span < self.rms < math.inf
+
 
 @dataclass(frozen=True)
 class Sweep:
@@ -70,7 +76,7 @@ class Sweep:
         """Order of the error: the slope of log(rms) over log(step), by least squares; None without two errors."""
         import numpy as np
 
-        points = [(row.step, row.rms) for row in self.of(algorithm, signal) if row.rms > 0.0 and math.isfinite(row.rms)]
+        points = [(row.step, row.rms) for row in self.of(algorithm, signal) if row.counts]
         if len(points) < 2:
             return None
         h, error = np.log(np.array(points)).T
@@ -156,7 +162,7 @@ def sweep(
     frames = _run_all(system, plans, jobs, _Sum(progress, total))
     reference = frames[ALGORITHMS[0], ordered[0]]
     units = reference.attrs["units"]
-    compared = [name for name in reference.columns if reference[name].dtype.kind == "f"]
+    compared = [n for n in reference.columns if reference[n].dtype.kind == "f" and not n.endswith(".time_of_validity")]
     if not compared:
         raise NavfmuError("none of the chosen signals is Real: there is nothing to compare")
     rows = []

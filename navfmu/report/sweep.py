@@ -19,17 +19,17 @@ def picture(result: Sweep) -> bytes:
     from navfmu.sweep import ALGORITHMS
 
     signals = _most_affected(result)
-    with figure(1, 2, size=(10.5, 4.6), sharey=True) as (drawing, axes):
+    with figure(1, 2, size=(10.5, 5.2), sharex=True, sharey=True) as (drawing, axes):
         for axis, algorithm in zip(axes, ALGORITHMS, strict=True):
             for colour, signal in zip(COLOURS, signals, strict=False):
-                rows = [row for row in result.of(algorithm, signal) if row.rms > 0 and row.span > 0]
+                rows = [row for row in result.of(algorithm, signal) if row.counts and row.span > 0]
                 slope = result.slope(algorithm, signal)
                 label = signal if slope is None else f"{signal}  ({slope:.1f})"
                 axis.loglog([r.step for r in rows], [100 * r.relative for r in rows], "o-", color=colour, label=label)
             axis.axhline(100 * result.tolerance, color=GREY, linestyle="--", linewidth=1)
             axis.set_title(algorithm.replace("_", "-").title() + "  (order of the error in brackets)")
             axis.set_xlabel("communication step, s")
-            axis.legend(fontsize=8, loc="upper left")
+            axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
         axes[0].set_ylabel("rms error, % of the signal's range")
         axes[0].annotate(
             "tolerance", (0.99, 100 * result.tolerance), xycoords=("axes fraction", "data"), ha="right", va="bottom",
@@ -45,7 +45,7 @@ def _most_affected(result: Sweep) -> list[str]:
         rows = [row for row in result.rows if row.signal == signal and row.step == result.steps[-1] and row.span > 0]
         return max((row.relative for row in rows), default=0.0)
 
-    ordered = sorted((s for s in result.signals if not s.endswith(".time_of_validity")), key=size, reverse=True)
+    ordered = sorted(result.signals, key=size, reverse=True)
     return ordered[:SHOWN]
 
 

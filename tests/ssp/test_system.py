@@ -117,7 +117,7 @@ def test_a_long_run_is_recorded_more_rarely(tracker):
         ({"parameters": {"sensr.sigma": 1}}, "no component 'sensr'; did you mean 'sensor'"),
         ({"parameters": {"sensor.sigmo": 1}}, "no parameter 'sigmo'; did you mean 'sigma'"),
         ({"parameters": {"sensor.sigma": -1}}, "is out of range: expected at least 0 m"),
-        ({"parameters": {"sensor.sigma": "1 s"}}, "unit 's'"),
+        ({"parameters": {"sensor.sigma": "1 s"}}, "'s' cannot be converted to 'm'"),
         ({"parameters": {"sensor.sigma": "one"}}, "expected a number"),
         ({"seed": -1}, "'seed' = -1 is out of range"),
         ({"faults": "nothing.toml"}, "nothing.toml"),
