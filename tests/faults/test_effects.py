@@ -1,0 +1,263 @@
+"""Each fault type against a closed form. Both engines make every run and must agree to the last bit.
+
+``source`` holds 2 at its output y; ``lag`` follows it by y <- 0.9 y + 0.1 u (tau = 1 s, h = 0.1 s) from 2 on.
+"""
+
+import numpy as np
+import pytest
+
+from navfmu.engine.plan import Connection, make_plan
+from navfmu.faults import Fault
+from tests.engine.probe import probe, rows, simulate
+
+H = 0.1
+FIRST, END = 20, 50  # communication points of the window
+START, DURATION = 2.0, 3.0
+ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
+RECORD = ["source.y", "source.y@true", "lag.y", "lag.seen", "lag.slope", "lag.current"]
+
+
+def run(*faults, algorithm="jacobi", record=RECORD, interpolates=True, step=H, **start):
+    components = [
+        probe("source", **({"start": 2.0, "u": 2.0} | start)),
+        probe("lag", interpolates=interpolates, start=2.0),
+    ]
+    connections = [
+        Connection("source.y", "lag.u"),
+        Connection("source.data.sequence", "lag.number"),
+        Connection("source.data.valid", "lag.flag"),
+    ]
+    return simulate((components, connections), step=step, stop=10.0, algorithm=algorithm, faults=faults, record=record)
+
+
+def fault(kind, target="source.y", start=START, duration=DURATION, **parameters):
+    return Fault("x", target, kind, start, duration, parameters)
+
+
+def inside(k):
+    return (k >= FIRST) & (k < END)
+
+
+def response(k):
+    """Answer of the lag to a unit pulse over the window."""
+    n, m = np.maximum(k - FIRST, 0), np.maximum(k - END, 0)
+    return (1 - 0.9**n) - (1 - 0.9**m)
+
+
+@ALGORITHMS
+def test_bias_acts_from_the_first_point_to_the_last_and_not_before(algorithm):
+    recording = run(fault("bias", value=0.5), algorithm=algorithm)
+    k = rows(recording)
+    assert np.array_equal(recording["source.y"], np.where(inside(k), 2.5, 2.0))
+    assert np.array_equal(recording["source.y@true"], np.full(101, 2.0))
+    np.testing.assert_allclose(recording["lag.y"], 2.0 + 0.5 * response(k), rtol=1e-14)
+    assert not recording["lag.slope"].any()  # a step at the communication point, not a ramp before it
+
+
+def test_bias_adds_to_a_moving_signal_without_touching_its_slope():
+    clean = run(algorithm="gauss_seidel", u=0.0)
+    biased = run(fault("bias", value=0.5), algorithm="gauss_seidel", u=0.0)
+    k = rows(clean)
+    np.testing.assert_allclose(biased["lag.slope"], clean["lag.slope"], atol=1e-14)
+    np.testing.assert_allclose(biased["lag.y"] - clean["lag.y"], 0.5 * response(k), atol=1e-14)
+
+
+@ALGORITHMS
+def test_drift_grows_from_the_start_and_is_cleared_at_once(algorithm):
+    recording = run(fault("drift", rate=0.3), algorithm=algorithm)
+    k = rows(recording)
+    np.testing.assert_allclose(recording["source.y"], 2.0 + np.where(inside(k), 0.3 * (k - FIRST) * H, 0), rtol=1e-15)
+    n = np.arange(END - FIRST + 1)
+    # y <- 0.9 y + 0.1 * (r h n) has the solution r h (n - 10 (1 - 0.9^n)); the line between the points adds r h / 2
+    ramp = 0.3 * H * (n - 10 * (1 - 0.9**n))
+    if algorithm == "gauss_seidel":
+        ramp += 0.3 * H / 2 * (1 - 0.9**n)
+    np.testing.assert_allclose(recording["lag.y"][FIRST : END + 1], 2.0 + ramp, rtol=1e-13)
+    np.testing.assert_allclose(recording["lag.y"][END:], 2.0 + ramp[-1] * 0.9 ** np.arange(101 - END), rtol=1e-13)
+    assert np.all(recording["source.y"][END:] == 2.0)
+
+
+@ALGORITHMS
+def test_stuck_at_a_given_value(algorithm):
+    recording = run(fault("stuck", value=5.0), algorithm=algorithm, u=0.0)
+    k = rows(recording)
+    clean = run(algorithm=algorithm, u=0.0)
+    assert np.array_equal(recording["source.y"], np.where(inside(k), 5.0, clean["source.y"]))
+    begin = clean["lag.y"][FIRST]
+    n = np.arange(END - FIRST + 1)
+    np.testing.assert_allclose(recording["lag.y"][FIRST : END + 1], 5.0 + (begin - 5.0) * 0.9**n, rtol=1e-13)
+
+
+@ALGORITHMS
+def test_stuck_at_the_last_value_that_left_before_the_window(algorithm):
+    recording = run(fault("stuck"), algorithm=algorithm, u=0.0)
+    clean = run(algorithm=algorithm, u=0.0)
+    k = rows(recording)
+    last = clean["source.y"][FIRST - 1]
+    assert np.array_equal(recording["source.y"], np.where(inside(k), last, clean["source.y"]))
+    assert np.array_equal(recording["source.y@true"], clean["source.y"])
+    assert not recording["lag.slope"][FIRST + 1 : END + 1].any()
+
+
+@ALGORITHMS
+def test_a_whole_number_and_a_truth_value_can_be_stuck(algorithm):
+    faults = [
+        Fault("n", "source.data.sequence", "stuck", START, DURATION, {"value": 7}),
+        Fault("b", "source.data.valid", "stuck", START, DURATION, {"value": False}),
+    ]
+    recording = run(*faults, algorithm=algorithm, record=["source.data", "lag.echo", "lag.flag_echo"])
+    k = rows(recording)
+    assert np.array_equal(recording["source.data.sequence"], np.where(inside(k), 7, k))
+    delay = 1 if algorithm == "jacobi" else 0
+    seen, flags = recording["source.data.sequence"], recording["source.data.valid"]
+    assert np.array_equal(recording["lag.echo"][delay:], seen[: 101 - delay])
+    assert np.array_equal(recording["lag.flag_echo"][delay:], flags[: 101 - delay])
+
+
+@ALGORITHMS
+def test_dropout_holds_the_bundle_and_makes_it_invalid(algorithm):
+    members = [f"source.data.{name}" for name in ("valid", "sequence", "value", "time_of_validity")]
+    record = [*members, *(f"{name}@true" for name in members)]
+    recording = run(fault("dropout", "source.data"), algorithm=algorithm, record=record)
+    k = rows(recording)
+    assert np.array_equal(recording["source.data.valid"], (k > 0) & ~inside(k))
+    for name in members[1:]:
+        true = recording[f"{name}@true"]
+        assert np.array_equal(recording[name], np.where(inside(k), true[FIRST - 1], true))
+    assert np.array_equal(recording["source.data.sequence@true"], k)
+
+
+@ALGORITHMS
+def test_noise_has_its_own_period_and_does_not_depend_on_the_step(algorithm):
+    noisy = fault("noise", sigma=0.2, period=0.25)
+    coarse, fine = run(noisy, algorithm=algorithm), run(noisy, algorithm=algorithm, step=H / 2)
+    assert np.array_equal(coarse["source.y"], fine["source.y"][::2])
+    k = rows(coarse)
+    added = coarse["source.y"] - coarse["source.y@true"]
+    assert not added[~inside(k)].any()
+    number = k * 2 // 5  # floor(t / 0.25 s) in whole numbers
+    for j in set(number[inside(k)]):
+        assert len(set(coarse["source.y"][inside(k) & (number == j)])) == 1
+    assert len(set(coarse["source.y"][inside(k)])) == 12
+    assert not coarse["lag.slope"].any()
+
+
+@ALGORITHMS
+def test_the_lag_answers_noise_as_it_answers_its_samples(algorithm):
+    recording = run(fault("noise", sigma=0.2, period=0.1), algorithm=algorithm)
+    expected = [2.0]
+    for u in recording["source.y"][:-1]:
+        expected.append(expected[-1] + 0.1 * (u - expected[-1]))
+    np.testing.assert_allclose(recording["lag.y"], expected, rtol=1e-14)
+
+
+def test_two_seeds_give_two_noises_and_one_seed_the_same():
+    system = [probe("a")], []
+    faults = [fault("noise", "a.y", 0.0, 10.0, sigma=1.0, period=0.1)]
+    plans = [make_plan(*system, step=H, stop=10.0, faults=faults, seed=seed) for seed in (1, 1, 2)]
+    from navfmu.engine import compiled
+
+    first, again, other = (compiled.run(plan)["a.y"] for plan in plans)
+    assert np.array_equal(first, again)
+    assert not np.any(first == other)
+
+
+@ALGORITHMS
+def test_an_unconnected_input_is_driven_and_given_back(algorithm):
+    recording = run(fault("input", "source.u", value=3.0), algorithm=algorithm, record=["source.y", "source.u"])
+    k = rows(recording)
+    assert np.array_equal(recording["source.u"], np.where(inside(k), 3.0, 2.0))
+    np.testing.assert_allclose(recording["source.y"], 2.0 + response(k), rtol=1e-14)
+
+
+@ALGORITHMS
+def test_a_truth_value_input_is_driven_to_true(algorithm):
+    drive = fault("input", "source.flag")
+    recording = run(drive, algorithm=algorithm, record=["source.flag", "source.flag_echo"])
+    k = rows(recording)
+    assert np.array_equal(recording["source.flag"], inside(k))
+    assert np.array_equal(recording["source.flag_echo"][1:], inside(k)[:-1])  # held from t_k to the next
+
+
+@ALGORITHMS
+def test_a_tunable_parameter_changes_and_comes_back(algorithm):
+    recording = run(
+        fault("parameter", "source.gain", value=2.0), algorithm=algorithm, record=["source.y", "source.gain"]
+    )
+    k = rows(recording)
+    assert np.array_equal(recording["source.gain"], np.where(inside(k), 2.0, 1.0))
+    np.testing.assert_allclose(recording["source.y"], 2.0 + 2.0 * response(k), rtol=1e-14)
+
+
+@ALGORITHMS
+def test_a_parameter_comes_back_to_its_start_value_of_this_run(algorithm):
+    recording = run(fault("parameter", "source.gain", value=2.0), algorithm=algorithm, record=["source.gain"], gain=0.5)
+    assert np.array_equal(recording["source.gain"], np.where(inside(rows(recording)), 2.0, 0.5))
+
+
+@ALGORITHMS
+def test_a_fault_from_the_start_acts_on_the_initial_outputs(algorithm):
+    recording = run(fault("bias", start=0.0, value=0.5), algorithm=algorithm)
+    assert recording["source.y"][0] == 2.5
+    assert recording["lag.current"][0] == 102.5  # what the lag computed from its input while initialising
+    driven = run(fault("input", "source.u", start=0.0, value=3.0), algorithm=algorithm, record=["source.current"])
+    assert driven["source.current"][0] == 103.0
+    stuck = run(fault("stuck", start=0.0), algorithm=algorithm, u=0.0)
+    assert np.all(stuck["source.y"][:30] == 2.0)
+    assert stuck["source.y"][30] == stuck["source.y@true"][30] != 2.0
+
+
+@ALGORITHMS
+def test_faults_on_one_signal_act_in_the_order_of_the_file(algorithm):
+    bias = Fault("bias", "source.y", "bias", START, DURATION, {"value": 1.0})
+    stuck = Fault("stuck", "source.y", "stuck", START, DURATION, {"value": 5.0})
+    assert run(bias, stuck, algorithm=algorithm)["source.y"][FIRST] == 5.0
+    assert run(stuck, bias, algorithm=algorithm)["source.y"][FIRST] == 6.0
+    hold = Fault("hold", "source.y", "stuck", START, DURATION)
+    assert np.all(
+        run(hold, bias, algorithm=algorithm, u=0.0)["source.y"][FIRST:END]
+        == 3.0 - 1.0 + run(u=0.0)["source.y"][19] - 1.0
+    )
+
+
+@ALGORITHMS
+def test_clearing_a_fault_restores_the_output_bit_for_bit(algorithm):
+    clean = run(algorithm=algorithm, u=0.7, record=["source.*"])
+    faults = [
+        fault("bias", value=0.1),
+        Fault("d", "source.y", "drift", START, DURATION, {"rate": 0.1}),
+        Fault("s", "source.seen", "stuck", START, DURATION),
+        Fault("n", "source.slope", "noise", START, DURATION, {"sigma": 1.0, "period": 0.1}),
+        Fault("o", "source.data", "dropout", START, DURATION),
+    ]
+    faulted = run(*faults, algorithm=algorithm, u=0.7, record=["source.*"])
+    assert faulted.values[:FIRST].tobytes() == clean.values[:FIRST].tobytes()
+    assert faulted.values[END:].tobytes() == clean.values[END:].tobytes()
+    assert faulted.values[FIRST:END].tobytes() != clean.values[FIRST:END].tobytes()
+
+
+@ALGORITHMS
+@pytest.mark.parametrize("seed", range(6))
+def test_random_faults_act_alike_in_both_engines(seed, algorithm):
+    rng = np.random.default_rng(seed)
+    menu = [
+        ("source.y", "bias", lambda: {"value": float(rng.normal())}),
+        ("source.y", "drift", lambda: {"rate": float(rng.normal())}),
+        ("source.y", "stuck", lambda: {}),
+        ("lag.y", "stuck", lambda: {"value": float(rng.normal())}),
+        ("lag.data", "dropout", lambda: {}),
+        ("source.data", "dropout", lambda: {}),
+        ("source.y", "noise", lambda: {"sigma": 0.3, "period": float(rng.choice([0.01, 0.07, 0.1, 1 / 3]))}),
+        ("lag.seen", "noise", lambda: {"sigma": 0.3, "period": 0.1, "stream": int(rng.integers(100))}),
+        ("source.flag", "input", lambda: {}),
+        ("source.number", "input", lambda: {"value": int(rng.integers(10))}),
+        ("source.u", "input", lambda: {"value": float(rng.normal())}),
+        ("lag.gain", "parameter", lambda: {"value": float(rng.uniform(0, 2))}),
+    ]
+    faults = []
+    for number in range(12):
+        target, kind, parameters = menu[rng.integers(len(menu))]
+        start, duration = float(rng.choice([0.0, rng.uniform(0, 8)])), float(rng.uniform(0.2, 8))
+        faults.append(Fault(f"f{number}", target, kind, start, duration, parameters()))
+    recording = run(*faults, algorithm=algorithm, u=1.0, interpolates=bool(seed % 2), record=["*"])
+    assert np.isfinite(recording.values).all()
