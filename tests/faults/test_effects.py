@@ -6,6 +6,7 @@
 import numpy as np
 import pytest
 
+from navfmu.engine import compiled
 from navfmu.engine.plan import Connection, make_plan
 from navfmu.faults import Fault
 from tests.engine.probe import probe, rows, simulate
@@ -18,10 +19,8 @@ RECORD = ["source.y", "source.y@true", "lag.y", "lag.seen", "lag.slope", "lag.cu
 
 
 def run(*faults, algorithm="jacobi", record=RECORD, interpolates=True, step=H, **start):
-    components = [
-        probe("source", **({"start": 2.0, "u": 2.0} | start)),
-        probe("lag", interpolates=interpolates, start=2.0),
-    ]
+    source = probe("source", **({"start": 2.0, "u": 2.0} | start))
+    components = [source, probe("lag", interpolates=interpolates, start=2.0)]
     connections = [
         Connection("source.y", "lag.u"),
         Connection("source.data.sequence", "lag.number"),
@@ -155,11 +154,9 @@ def test_two_seeds_give_two_noises_and_one_seed_the_same():
     system = [probe("a")], []
     faults = [fault("noise", "a.y", 0.0, 10.0, sigma=1.0, period=0.1)]
     plans = [make_plan(*system, step=H, stop=10.0, faults=faults, seed=seed) for seed in (1, 1, 2)]
-    from navfmu.engine import compiled
-
     first, again, other = (compiled.run(plan)["a.y"] for plan in plans)
     assert np.array_equal(first, again)
-    assert not np.any(first == other)
+    assert not np.any(first[:-1] == other[:-1])  # the last point lies behind the window
 
 
 @ALGORITHMS
@@ -181,9 +178,8 @@ def test_a_truth_value_input_is_driven_to_true(algorithm):
 
 @ALGORITHMS
 def test_a_tunable_parameter_changes_and_comes_back(algorithm):
-    recording = run(
-        fault("parameter", "source.gain", value=2.0), algorithm=algorithm, record=["source.y", "source.gain"]
-    )
+    doubled = fault("parameter", "source.gain", value=2.0)
+    recording = run(doubled, algorithm=algorithm, record=["source.y", "source.gain"])
     k = rows(recording)
     assert np.array_equal(recording["source.gain"], np.where(inside(k), 2.0, 1.0))
     np.testing.assert_allclose(recording["source.y"], 2.0 + 2.0 * response(k), rtol=1e-14)
@@ -214,10 +210,8 @@ def test_faults_on_one_signal_act_in_the_order_of_the_file(algorithm):
     assert run(bias, stuck, algorithm=algorithm)["source.y"][FIRST] == 5.0
     assert run(stuck, bias, algorithm=algorithm)["source.y"][FIRST] == 6.0
     hold = Fault("hold", "source.y", "stuck", START, DURATION)
-    assert np.all(
-        run(hold, bias, algorithm=algorithm, u=0.0)["source.y"][FIRST:END]
-        == 3.0 - 1.0 + run(u=0.0)["source.y"][19] - 1.0
-    )
+    held = run(hold, bias, algorithm=algorithm, u=0.0)
+    assert np.all(held["source.y"][FIRST:END] == held["source.y"][FIRST - 1] + 1.0)
 
 
 @ALGORITHMS

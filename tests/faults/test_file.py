@@ -41,13 +41,13 @@ def test_a_file_is_read(tmp_path):
 
 
 def test_a_missing_file_is_told(tmp_path):
-    with pytest.raises(NavfmuError, match="fault file .*nothing.toml does not exist"):
+    with pytest.raises(NavfmuError, match=r"fault file .*nothing.toml does not exist"):
         load_faults(tmp_path / "nothing.toml")
 
 
 def test_a_file_that_is_no_text_is_told(tmp_path):
     (tmp_path / "faults.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(NavfmuError, match="faults.toml cannot be read"):
+    with pytest.raises(NavfmuError, match=r"faults\.toml cannot be read"):
         load_faults(tmp_path / "faults.toml")
 
 
