@@ -1,0 +1,111 @@
+"""The thesis's backup navigator as a system: ten components, their connections, parameter sets and variants.
+
+Thesis chapter 2 (Fig 2.5) and section 6.5 (Fig 6.5): a low-cost heading reference, airspeed and the ranges to a few DME
+stations carry the aircraft through a GPS outage. Every variant is written from the calls below, none by hand.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fmus.flight_plans import FLIGHT_PLANS
+from fmus.grades import GRADES
+from fmus.stations import STATION_SETS
+from navfmu.ssp.writer import SystemSource
+
+COMPONENTS = (
+    "wind",
+    "aircraft",
+    "imu",
+    "magnetometer",
+    "air_data",
+    "dme",
+    "gps",
+    "ahrs",
+    "navigator",
+    "evaluation",
+)
+RECEIVERS = {"two_receivers": 2, "scanning": 3}
+"""Variants by the receiver mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
+POSITION = ("latitude", "longitude", "altitude")
+ANGLES = ("roll", "pitch", "heading")
+
+
+def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "backup_navigator") -> SystemSource:
+    """Describe the system with the built FMUs in the folder ``fmus``.
+
+    ``aircraft`` may be any FMU with the outputs of ``aircraft``, for example a recorded track.
+    """
+    system = SystemSource(
+        name,
+        fmus=fmus,
+        description="DME-aided dead reckoning navigator that carries an aircraft through a GPS outage; one DME receiver",
+        stop_time=2100.0,
+        step=0.01,
+    )
+    for component in COMPONENTS:
+        system.component(component, aircraft if component == "aircraft" else f"{component}.fmu")
+    connect(system)
+    if aircraft == "aircraft.fmu":
+        system.parameters("aircraft", FLIGHT_PLANS["livermore"].parameters())
+    use_stations(system.parameters, "thesis_like")
+    system.parameters("imu", GRADES["automotive"])
+    add_variants(system)
+    return system
+
+
+def connect(system: SystemSource) -> None:
+    """Wire truth to sensors, sensors to estimators, and both ends to the evaluation."""
+    for sensor in ("magnetometer", "dme", "gps", "evaluation"):
+        for output in POSITION:
+            system.connect(f"aircraft.{output}", f"{sensor}.{output}")
+    for sensor in ("magnetometer", "gps"):
+        for output in ANGLES:
+            system.connect(f"aircraft.{output}", f"{sensor}.{output}")
+    for sensor in ("air_data", "dme", "gps"):
+        system.connect("aircraft.velocity_n", f"{sensor}.velocity_n")
+    system.connect("aircraft.altitude", "air_data.altitude")
+    system.connect("aircraft.specific_force", "imu.specific_force")
+    system.connect("aircraft.rate", "imu.rate")
+    system.connect("wind.wind_n", "aircraft.wind_n")
+    system.connect("wind.wind_n", "air_data.wind_n")
+    system.connect("imu.reading", "ahrs.imu")
+    system.connect("magnetometer.field", "ahrs.field")
+    system.connect("ahrs.attitude", "navigator.attitude")
+    system.connect("air_data.air", "navigator.air")
+    system.connect("dme.ranging", "navigator.ranging")
+    system.connect("gps.fix", "navigator.fix")
+    system.connect("navigator.solution", "evaluation.solution")
+    for output in ("north_sigma", "east_sigma", "mode"):
+        system.connect(f"navigator.{output}", f"evaluation.{output}")
+
+
+def use_stations(give, name: str) -> None:
+    """Give receiver and navigator the same stations; ``give(component, values)`` takes them."""
+    stations = STATION_SETS[name]
+    give("dme", {**stations.parameters(), **stations.ranges()})
+    give("navigator", stations.parameters())
+
+
+def add_variants(system: SystemSource) -> None:
+    """Open loop, the other receivers, the literal (6.40), the other grades of Table 3.2, and real stations."""
+    system.variant(
+        "open_loop",
+        parameters={"navigator": {"dme_aiding": False}},
+        description="dead reckoning alone: ranges are ignored",
+    )
+    for name, mode in RECEIVERS.items():
+        system.variant(name, parameters={"dme": {"mode": mode}}, description=f"DME receiver: {name.replace('_', ' ')}")
+    system.variant(
+        "r_as_printed",
+        parameters={"navigator": {"range_noise_model": 2}},
+        description="thesis (6.40) as printed: the range bias is left out of the measurement noise; overconfident",
+    )
+    for grade in GRADES:
+        if grade != "automotive":
+            system.variant(f"imu_{grade}", parameters={"imu": GRADES[grade]}, description=f"{grade} grade IMU, Table 3.2")
+    real: dict[str, dict] = {}
+    use_stations(lambda component, values: real.update({component: values}), "bay_area")
+    for name, mode in {"bay_area": 1, "bay_area_scanning": 3}.items():
+        parameters = {**real, "dme": {**real["dme"], "mode": mode}}
+        system.variant(name, parameters=parameters, description="real Bay Area stations, navigation data cycle 2013.10")
