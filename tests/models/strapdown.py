@@ -58,7 +58,9 @@ def navigate(period, specific_force, rate, latitude, longitude, altitude, veloci
     steps = Rotation.from_rotvec(two * mean + two**3 / 12.0 * np.cross(mean, slope)).as_matrix()
     first_mean = (5.0 * rate[:-2:2] + 8.0 * rate[1:-1:2] - rate[2::2]) / 12.0
     first_slope = (rate[1:-1:2] - rate[:-2:2]) / period
-    halves = Rotation.from_rotvec(period * first_mean + period**3 / 12.0 * np.cross(first_mean, first_slope)).as_matrix()
+    halves = Rotation.from_rotvec(
+        period * first_mean + period**3 / 12.0 * np.cross(first_mean, first_slope)
+    ).as_matrix()
     force = np.empty_like(specific_force)
     for k in range(len(steps)):
         force[2 * k] = c_ib @ specific_force[2 * k]
