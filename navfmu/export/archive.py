@@ -18,7 +18,7 @@ FOLDERS = {
     "x86_64-linux": "linux64",
     "aarch64-linux": "aarch64-linux",
     "x86_64-windows": "win64",
-    "x86_64-darwin": "darwin64",
+    "x86_64-darwin": "darwin64",  # a universal library when both processors are built
     "aarch64-darwin": "aarch64-darwin",
 }
 

@@ -3,22 +3,42 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
+from navfmu.export.fingerprint import fingerprint
 
 RUNTIME = Path(__file__).parent / "runtime"
+LICENSES = Path(__file__).parent / "licenses"
+#: What the compiler is given; it includes the other files.
+UNITS = ("fmu.c",)
 _NO_GUID = "{00000000-0000-0000-0000-000000000000}"
+_KEEP = 30 * 24 * 3600.0  # s that the cache keeps what nobody used
+
+#: ``progress(done, total, note)``
+Progress = Callable[[int, int, str], None]
 
 
-@dataclass
+@dataclass(frozen=True)
+class Built:
+    """One finished FMU."""
+
+    path: Path
+    unchanged: bool  # taken from the cache
+
+
+@dataclass(frozen=True)
 class Sources:
     """What one FMU is made of, before it is compiled."""
 
@@ -26,6 +46,7 @@ class Sources:
     guid: str
     files: dict[str, str]  # C sources and headers
     description: str
+    component: type | None = None
 
 
 def build(
@@ -33,54 +54,113 @@ def build(
     out_dir: str | Path,
     platforms: Iterable[str] | str = ("host",),
     jobs: int | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> list[Path]:
     """Build one FMU for each component class (or lowered model) and return their paths, in order.
 
-    ``platforms`` are ``"host"``, ``"all"`` or platform names. What has not changed is taken from the cache
-    (:func:`cache_folder`): a finished FMU when its sources are the same, else each library when its C code is.
+    ``platforms`` are ``"host"``, ``"all"`` or platform names of FMI 2 or FMI 3. What has not changed is taken from the
+    cache (:func:`cache_folder`): a finished FMU when its sources are the same, else each library when its C code is.
     """
-    if isinstance(models, ir.Model | type):
-        models = [models]
-    models, out_dir = list(models), Path(out_dir)
-    tuples = toolchain.resolve(platforms)
-    say = progress or (lambda text: None)
-    paths: list[Path] = []
+    return [built.path for built in build_all(models, out_dir, platforms, jobs, progress)]
+
+
+def build_all(
+    models: Iterable[Any] | Any,
+    out_dir: str | Path,
+    platforms: Iterable[str] | str = ("host",),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    twins: str | Path | None = None,
+) -> list[Built]:
+    """Like :func:`build`, and say which FMUs were unchanged; with ``twins`` write the Python twins to that folder."""
+    models = [models] if isinstance(models, ir.Model | type) else list(models)
+    _check_names(models)
+    out_dir, tuples = Path(out_dir), toolchain.resolve(platforms)
+    toolchain.version()
+    done: dict[tuple[int, str], Built] = {}
+    waiting: list[tuple[int, Sources, dict[str, Future[Path]], str | None]] = []
+    show = progress or (lambda done, total, note: None)
+    total = len(models) * (2 if twins else 1)
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        started: list[tuple[Sources, dict[str, Future[Path]]]] = []
-        for item in models:
-            model = _lower(item)
-            say(f"{model.name}: traced")
-            sources = prepare(model)
-            started.append((sources, {p: pool.submit(library, sources, p) for p in tuples}))
-        for sources, futures in started:
-            libraries = {platform: future.result() for platform, future in futures.items()}
-            paths.append(pack(sources, libraries, out_dir / f"{sources.model.name}.fmu"))
-            say(f"{sources.model.name}: {paths[-1]}")
-    return paths
+        try:
+            for i, item in enumerate(models):
+                component = None if isinstance(item, ir.Model) else item
+                name = item.name if component is None else component.layout.name
+                lowered: list[ir.Model] = [] if component else [item]
+                show(len(done), total, f"tracing {name}")
+                key = fingerprint(component, "native", *tuples) if component else None
+                path = out_dir / f"{name}.fmu"
+                if key and _take(key, path):
+                    done[i, "native"] = Built(path, True)
+                else:
+                    lowered = lowered or [_lower(component)]
+                    sources = prepare(lowered[0], component)
+                    futures = {p: pool.submit(library, sources, p) for p in (*tuples, toolchain.host())}
+                    waiting.append((i, sources, futures, key))
+                if twins and component:
+                    done[i, "twin"] = _twin(component, lowered, Path(twins))
+            for i, sources, futures, key in waiting:
+                while wait(futures.values(), timeout=0.5).not_done:
+                    show(len(done), total, f"compiling {sources.model.name}")
+                libraries = {platform: future.result() for platform, future in futures.items()}
+                path = pack(sources, libraries, tuples, out_dir / f"{sources.model.name}.fmu")
+                _keep(key, path)
+                done[i, "native"] = Built(path, False)
+                show(len(done), total, sources.model.name)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    if waiting:
+        _prune()
+    return [done[key] for key in sorted(done, key=lambda k: (k[1], k[0]))]
 
 
-def _lower(item: Any) -> ir.Model:
-    if isinstance(item, ir.Model):
-        return item
+def _check_names(models: list[Any]) -> None:
+    names: dict[str, Any] = {}
+    for item in models:
+        if not isinstance(item, ir.Model) and not hasattr(item, "layout"):
+            raise NavfmuError(f"{item!r} is not a component; expected a subclass of navfmu.export.Component")
+        name = item.name if isinstance(item, ir.Model) else item.layout.name
+        if name in names:
+            raise NavfmuError(f"two components are named '{name}': {names[name]!r} and {item!r}")
+        names[name] = item
+
+
+def _lower(component: type) -> ir.Model:
     from navfmu.export.lower import lower
 
-    return lower(item)
+    return lower(component)
 
 
-def prepare(model: ir.Model) -> Sources:
+def _twin(component: type, lowered: list[ir.Model], folder: Path) -> Built:
+    from navfmu.export.twin import build_twin
+
+    path = folder / f"{component.layout.name}.fmu"
+    key = fingerprint(component, "twin")
+    if _take(key, path):
+        return Built(path, True)
+    if not lowered:
+        lowered.append(_lower(component))
+    build_twin(component, folder, model=lowered[0])
+    _keep(key, path)
+    return Built(path, False)
+
+
+# ---- steps ----
+
+
+def prepare(model: ir.Model, component: type | None = None) -> Sources:
     """Generate the C code and the description of a model; the GUID is a hash of all that the binary depends on."""
-    runtime = {path.name: path.read_text() for path in sorted(RUNTIME.glob("*.[ch]"))}
-    compiled = ["fmu.c"]  # it includes the others
+    runtime = {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("*.[ch]"))}
     guid = archive.guid(
         codegen.generate(model, _NO_GUID),
-        description.describe(model, _NO_GUID, sources=compiled),
+        description.describe(model, _NO_GUID, sources=UNITS),
         *(part for item in runtime.items() for part in item),
         " ".join(toolchain.FLAGS),
         toolchain.version(),
     )
     files = {"model.c": codegen.generate(model, guid), **runtime}
-    return Sources(model, guid, files, description.describe(model, guid, sources=compiled))
+    return Sources(model, guid, files, description.describe(model, guid, sources=UNITS), component)
 
 
 def library(sources: Sources, platform: str) -> Path:
@@ -89,25 +169,53 @@ def library(sources: Sources, platform: str) -> Path:
     digest = hashlib.sha256()
     for part in (*(p for item in sorted(sources.files.items()) for p in item), *toolchain.FLAGS, toolchain.version()):
         digest.update(part.encode() + b"\0")
-    path = cache_folder() / "libraries" / digest.hexdigest()[:32] / platform / name
-    if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
-            for file, text in sources.files.items():
-                (Path(scratch) / file).write_text(text)
-            toolchain.compile_shared([Path(scratch) / "fmu.c"], path, platform, include=[scratch])
+    path = cache_folder() / "libraries" / f"{digest.hexdigest()[:32]}-{platform}" / name
+    if path.is_file():
+        os.utime(path)
+        return path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
+        for file, text in sources.files.items():
+            (Path(scratch) / file).write_text(text, encoding="utf-8", newline="\n")
+        toolchain.compile_shared([Path(scratch) / unit for unit in UNITS], path, platform, include=[scratch])
     return path
 
 
-def pack(sources: Sources, libraries: dict[str, Path], path: Path) -> Path:
-    """Write the FMU."""
+def pack(sources: Sources, libraries: dict[str, Path], platforms: Iterable[str], path: Path) -> Path:
+    """Write the FMU with the libraries for ``platforms``; the library of this machine makes the response picture."""
+    from navfmu.export import documentation, response
+
     model = sources.model
-    files: dict[str, bytes | str] = {"modelDescription.xml": sources.description, "model.png": archive.icon(model.name)}
+    example = response.step_response(model, sources.guid, libraries[toolchain.host()])
+    page = documentation.page(model, example, [sources.component] if sources.component else [])
+    files: dict[str, bytes | str] = {
+        "modelDescription.xml": sources.description,
+        "model.png": archive.icon(model.name),
+        "documentation/index.html": page,
+    }
+    files |= {f"documentation/licenses/{name}": text for name, text in _licenses().items()}
     files |= {f"sources/{name}": text for name, text in sources.files.items()}
     files |= {f"resources/{table.name}.csv": codegen.table_text(table) for table in model.tables}
-    for platform, library_path in libraries.items():
-        files[f"binaries/{archive.FOLDERS[platform]}/{library_path.name}"] = library_path.read_bytes()
+    platforms = tuple(platforms)
+    for platform in platforms:
+        files[f"binaries/{archive.FOLDERS[platform]}/{libraries[platform].name}"] = libraries[platform].read_bytes()
+    macs = [libraries[platform] for platform in ("x86_64-darwin", "aarch64-darwin") if platform in platforms]
+    if macs:  # FMI 2.0 has one name for all macOS
+        data = toolchain.universal([mac.read_bytes() for mac in macs]) if len(macs) > 1 else macs[0].read_bytes()
+        files[f"binaries/darwin64/{macs[0].name}"] = data
     return archive.write(path, files)
+
+
+def _licenses() -> dict[str, str]:
+    texts = {file.name: file.read_text(encoding="utf-8") for file in sorted(LICENSES.glob("*.txt"))}
+    package = importlib.util.find_spec("ziglang")
+    mingw = Path(package.origin).parent / "lib" / "libc" / "mingw" / "COPYING"
+    if mingw.is_file():
+        texts["mingw-w64.txt"] = mingw.read_text(encoding="utf-8")
+    return texts
+
+
+# ---- cache ----
 
 
 def cache_folder() -> Path:
@@ -121,3 +229,43 @@ def cache_folder() -> Path:
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return base / "navfmu"
+
+
+def _take(key: str, path: Path) -> bool:
+    """Put the FMU with this key in its place, if the cache has it."""
+    kept = cache_folder() / "fmus" / f"{key}.fmu"
+    if not kept.is_file():
+        return False
+    os.utime(kept)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not (path.is_file() and path.read_bytes() == kept.read_bytes()):
+        _copy(kept, path)
+    return True
+
+
+def _keep(key: str | None, path: Path) -> None:
+    if key:
+        kept = cache_folder() / "fmus" / f"{key}.fmu"
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        _copy(path, kept)
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a file so that it appears complete or not at all, also when several processes do so at once."""
+    handle, scratch = tempfile.mkstemp(prefix=f".{target.name}-", dir=target.parent)
+    os.close(handle)
+    shutil.copyfile(source, scratch)
+    os.chmod(scratch, 0o644)
+    os.replace(scratch, target)
+
+
+def _prune() -> None:
+    """Forget what nobody used for a month."""
+    limit = time.time() - _KEEP
+    for folder in ("fmus", "libraries"):
+        for file in (cache_folder() / folder).rglob("*"):
+            try:
+                if file.is_file() and file.stat().st_mtime < limit:
+                    file.unlink()
+            except OSError:
+                continue  # another process was first

@@ -9,7 +9,10 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir, trace
+from navfmu.export import ir
+
+if TYPE_CHECKING:
+    import casadi as ca
 
 #: Arguments of a task's function, in order (a check takes the first alone).
 ARGUMENTS = ("v", "noise", "clock", "rows")
@@ -150,6 +153,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
 def _rename(function: ca.Function, name: str, functions: list[ca.Function]) -> str:
     """Add to ``functions`` the same function over scalars, under a name that cannot clash; return the name."""
     import casadi as ca
+
+    from navfmu.export import trace
 
     inputs = [ca.SX.sym(ARGUMENTS[i], function.sparsity_in(i)) for i in range(function.n_in())]
     with trace.as_written():

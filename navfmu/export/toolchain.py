@@ -117,20 +117,16 @@ def compile_shared(
     return output
 
 
-def join_universal(libraries: Sequence[str | Path], output: str | Path) -> Path:
-    """Join macOS libraries of several processors into one universal library (what ``lipo -create`` does)."""
-    images = [Path(library).read_bytes() for library in libraries]
-    align = 14  # 2^14 bytes: the page size of Apple's processors
-    header = struct.pack(">II", 0xCAFEBABE, len(images))
-    offset = 1 << align
-    body = b""
+def universal(images: Sequence[bytes]) -> bytes:
+    """Join macOS libraries for several processors into one universal library (what ``lipo -create`` does)."""
+    align = 14  # each begins at a multiple of 2^14 bytes, the page size of Apple's processors
+    page = 1 << align
+    header, body = struct.pack(">II", 0xCAFEBABE, len(images)), b""
     for image in images:
         magic, cpu, subtype = struct.unpack_from("<IiI", image)
         if magic != 0xFEEDFACF:
             raise NavfmuError("a universal library can only be made of 64-bit Mach-O libraries")
-        header += struct.pack(">iIIII", cpu, subtype, offset, len(image), align)
-        body += b"\0" * (offset - (1 << align) - len(body)) + image
-        offset += -(-len(image) // (1 << align)) * (1 << align)
-    output = Path(output)
-    output.write_bytes(header + b"\0" * ((1 << align) - len(header)) + body)
-    return output
+        body += b"\0" * (-len(body) % page)
+        header += struct.pack(">iIIII", cpu, subtype, page + len(body), len(image), align)
+        body += image
+    return header.ljust(page, b"\0") + body

@@ -34,7 +34,7 @@ void philox(const uint64_t counter[4], const uint64_t key[2], uint64_t out[4]) {
     out[0] = c0, out[1] = c1, out[2] = c2, out[3] = c3;
 }
 
-/* A number in (0, 1), never 0 or 1. */
+/* A number in (0, 1], never 0. */
 static double uniform(uint64_t n) {
     return ((double)(n >> 11) + 0.5) * 0x1p-53;
 }

@@ -1,0 +1,93 @@
+"""A hash over all that a built FMU depends on, found without tracing or importing the tools that build it."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.metadata
+import sys
+import sysconfig
+from functools import cache
+from pathlib import Path
+
+#: Files beside a model's modules that it may read, such as coefficients.
+_DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
+#: What turns sources into FMUs; another version is another FMU.
+_TOOLS = ("casadi", "ziglang", "numpy", "matplotlib", "pythonfmu")
+_INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib", "purelib", "platlib")}
+_EXPORT = Path(__file__).parent
+
+
+def fingerprint(component: type, *parts: str) -> str:
+    """Return a hash of a component's sources (its module and those it imports, data files beside them), of the
+    exporter, of the tools' versions and of ``parts``."""
+    digest = hashlib.sha256()
+    for part in (component.__qualname__, *parts, _exporter()):
+        digest.update(part.encode() + b"\0")
+    modules = source_files(component.__module__)
+    data = {file for folder in {m.parent for m in modules} for file in folder.iterdir() if file.suffix.lower() in _DATA}
+    for file in [*sorted(modules), *sorted(data)]:
+        _add(digest, file)
+    return digest.hexdigest()[:32]
+
+
+@cache
+def _exporter() -> str:
+    """Return a hash of the exporter and of the tools' versions."""
+    digest = hashlib.sha256("\0".join([sys.version, *(_version(tool) for tool in _TOOLS)]).encode())
+    for file in sorted(_EXPORT.rglob("*")):
+        if file.suffix in {".py", ".c", ".h", ".txt"}:
+            _add(digest, file)
+    return digest.hexdigest()
+
+
+def _add(digest: hashlib._Hash, file: Path) -> None:
+    content = file.read_bytes()
+    digest.update(f"{file.name} {len(content)} ".encode() + content)
+
+
+def source_files(module: str) -> list[Path]:
+    """Return the files of a module and of all it imports, without the standard library and installed packages."""
+    found: dict[str, Path] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        file = _file(name)
+        if name in found or file is None:
+            continue
+        found[name] = file
+        waiting += _imports(name, file)
+        if "." in name:
+            waiting.append(name.rpartition(".")[0])
+    return list(found.values())
+
+
+@cache
+def _file(name: str) -> Path | None:
+    """Return the file of an imported module that belongs to the project at hand, else None."""
+    text = getattr(sys.modules.get(name), "__file__", None)
+    if text is None or not text.endswith(".py") or name.partition(".")[0] == "navfmu":
+        return None
+    file = Path(text).resolve()
+    return None if any(file.is_relative_to(folder) for folder in _INSTALLED) else file
+
+
+@cache
+def _imports(name: str, file: Path) -> list[str]:
+    found: list[str] = []
+    package = name if hasattr(sys.modules[name], "__path__") else name.rpartition(".")[0]
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".") if node.level else []
+            base = ".".join([*parts[: len(parts) + 1 - node.level], *([node.module] if node.module else [])])
+            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
+    return found
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "none"

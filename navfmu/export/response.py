@@ -1,0 +1,133 @@
+"""An example run of a freshly built FMU: its inputs make a step, its outputs are recorded."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from navfmu.errors import NavfmuError
+from navfmu.export import codegen, ir
+
+#: Height of the step of an input, by its unit.
+_STEPS = {"m": 100.0, "m/s": 10.0, "m/s2": 1.0, "rad": 0.1, "rad/s": 0.02, "T": 1e-5, "Pa": 1000.0, "K": 5.0}
+#: One tenth of a degree is enough for a place on the earth.
+_ANGLES_ON_EARTH = ("latitude", "longitude")
+
+
+@dataclass(frozen=True)
+class Response:
+    """Outputs over time. ``values[i, j]`` is variable ``indices[j]`` at ``time[i]`` (s); inputs step at ``onset``."""
+
+    time: np.ndarray
+    indices: list[int]
+    values: np.ndarray
+    onset: float
+    stepped: dict[int, float]  # index of an input -> height of its step
+    fed: list[str]  # bundles that were fed
+
+
+def step_response(model: ir.Model, guid: str, library: Path, stop: float = 60.0) -> Response:
+    """Run the built library of this machine: all inputs step at a fifth of the time, bundles come at every tick."""
+    periods = [model.variables[i].start for i in codegen.clocks(model)]
+    count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
+    h, onset = stop / count, stop / 5
+    bundles = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
+    inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
+    stepped = {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
+    reals = [v.index for v in model.variables if v.causality == "output" and v.type == "Real"]
+    shown = [i for i in reals if not model.variables[i].name.endswith(".time_of_validity")]
+    by_name = {v.name: v.index for v in model.variables}
+    time = np.arange(count + 1) * h
+    values = np.empty((count + 1, len(shown)))
+    with _Run(model, guid, library) as run:
+        for bundle in bundles:
+            flags = [v.index for v in model.variables if v.bundle == bundle and v.type == "Boolean"]
+            run.set(flags, [1] * len(flags), boolean=True)
+        run.initialise()
+        values[0] = run.get(shown)
+        for k in range(count):
+            past = time[k] >= onset
+            indices = list(stepped)
+            run.set(indices, [model.variables[i].start + (stepped[i] if past else 0.0) for i in indices])
+            for bundle in bundles:
+                run.set([by_name[f"{bundle}.sequence"]], [k + 1], integer=True)
+                run.set([by_name[f"{bundle}.time_of_validity"]], [time[k]])
+            run.step(k * h, h)
+            values[k + 1] = run.get(shown)
+    return Response(time, shown, values, onset, stepped, bundles)
+
+
+def _height(variable: ir.Variable) -> float:
+    leaf = variable.name.rpartition(".")[2].partition("[")[0]
+    return 0.1 / 57.3 if leaf in _ANGLES_ON_EARTH else _STEPS.get(variable.unit or "1", 1.0)
+
+
+class _Run:
+    """The few FMI calls that an example needs."""
+
+    def __init__(self, model: ir.Model, guid: str, library: Path) -> None:
+        self.model, self.guid, self.path = model, guid, library
+
+    def __enter__(self) -> _Run:
+        self.resources = tempfile.TemporaryDirectory(prefix="navfmu-")
+        for table in self.model.tables:
+            (Path(self.resources.name) / f"{table.name}.csv").write_text(codegen.table_text(table))
+        self.fmi = ctypes.CDLL(os.fspath(self.path))
+        pointer, text = ctypes.c_void_p, ctypes.c_char_p
+        logger = ctypes.CFUNCTYPE(None, pointer, text, ctypes.c_int, text, text)
+        self.messages: list[str] = []
+        self.logger = logger(lambda env, name, status, category, message: self.messages.append(message.decode()))
+        self.callbacks = (ctypes.c_void_p * 5)(ctypes.cast(self.logger, pointer))
+        self.fmi.fmi2Instantiate.restype = pointer
+        component = self.fmi.fmi2Instantiate(
+            b"example",
+            1,
+            self.guid.encode(),
+            Path(self.resources.name).as_uri().encode(),
+            ctypes.byref(self.callbacks),
+            0,
+            0,
+        )
+        self.component = ctypes.c_void_p(component)
+        if not component:
+            self._check(3)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.fmi.fmi2FreeInstance(self.component)
+        self.resources.cleanup()
+
+    def _check(self, status: int) -> None:
+        if status > 1:
+            raise NavfmuError(f"component '{self.model.name}': the example run failed: {' '.join(self.messages)}")
+
+    def initialise(self) -> None:
+        real = ctypes.c_double
+        self._check(self.fmi.fmi2SetupExperiment(self.component, 0, real(0), real(0), 0, real(0)))
+        self._check(self.fmi.fmi2EnterInitializationMode(self.component))
+        self._check(self.fmi.fmi2ExitInitializationMode(self.component))
+
+    def step(self, time: float, h: float) -> None:
+        self._check(self.fmi.fmi2DoStep(self.component, ctypes.c_double(time), ctypes.c_double(h), 1))
+
+    def set(self, indices: list[int], values: list[float], *, integer: bool = False, boolean: bool = False) -> None:
+        setter = self.fmi.fmi2SetBoolean if boolean else self.fmi.fmi2SetInteger if integer else self.fmi.fmi2SetReal
+        kind = ctypes.c_int if integer or boolean else ctypes.c_double
+        count = len(indices)
+        status = setter(
+            self.component, (ctypes.c_uint * count)(*indices), ctypes.c_size_t(count), (kind * count)(*values)
+        )
+        self._check(status)
+
+    def get(self, indices: list[int]) -> list[float]:
+        count = len(indices)
+        values = (ctypes.c_double * count)()
+        self._check(
+            self.fmi.fmi2GetReal(self.component, (ctypes.c_uint * count)(*indices), ctypes.c_size_t(count), values)
+        )
+        return list(values)
