@@ -105,12 +105,18 @@ class Ahrs(Component):
     )
     field_sigma = Parameter(
         "1",
-        start=0.03,
+        start=0.05,
         min=1.0e-6,
-        description="error of each component of the direction of the field: residuals of 4 to 7 mG (thesis Fig 3.27)",
+        description="error of each component of the direction of the field: 4 to 7 mG (thesis Fig 3.27), "
+        "widened because it depends on heading and so persists on each leg",
+    )
+    field_in_turns = Parameter(
+        kind="boolean",
+        start=True,
+        description="whether the field is used in turns too; false: gyros alone, as in thesis section 4.12",
     )
     dip_time = Parameter(
-        "s", start=30.0, min=0.01, description="time constant with which the dip is learned (own choice)"
+        "s", start=120.0, min=0.01, description="time constant with which the dip is learned (own choice)"
     )
     initial_sigma = Parameter(
         "rad",
@@ -171,7 +177,7 @@ class Ahrs(Component):
             self.turned, self.period, force, earth.STANDARD_GRAVITY, self.yaw_rate_limit, self.force_limit
         )
         use_force = quiet & felt
-        use_field = self.field.valid & (self.field.sequence != self.field_seen)
+        new_field = self.field.valid & (self.field.sequence != self.field_seen)
         level_roll, level_pitch = ahrs.level(force)
         strength = np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
         direction = self.field.field_b / strength
@@ -179,7 +185,8 @@ class Ahrs(Component):
         level_dip = np.arcsin(np.clip(down, -1.0, 1.0))
 
         # initial alignment
-        align = np.logical_not(self.aligned) & felt & use_field
+        align = np.logical_not(self.aligned) & felt & new_field
+        use_field = new_field & (straight | self.field_in_turns)
         angles = np.where(
             align, np.stack([level_roll, level_pitch, attitude.wrap(magnetic + self.declination)]), self.angles
         )
@@ -227,7 +234,7 @@ class Ahrs(Component):
         self.dip = np.where(running, dip, self.dip)
         self.aligned = running
         self.aiding = np.logical_and(running, use_force)
-        self.field_seen = np.where(use_field, self.field.sequence, self.field_seen)
+        self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
         self.force_sum = np.zeros(3)
         self.force_count = 0.0
         self.turned = 0.0
