@@ -2,15 +2,23 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "master.h"
 
-/* The last error and the last warning of an instance; its componentEnvironment. */
+/* What an instance has said; its componentEnvironment. */
 typedef struct {
-    char error[2048];
-    char warning[2048];
+    char error[2048];   /* all errors one after the other: the first often tells more than the last */
+    char warning[2048]; /* the last warning */
     int64_t errors, warnings;
 } Log;
+
+/* Put a sentence behind the others; when there is no room, in their place. */
+static void append(char *text, size_t size, const char *sentence) {
+    size_t length = strlen(text), more = strlen(sentence);
+    if (length + more + 2 > size) length = 0;
+    snprintf(text + length, size - length, length ? " %s" : "%s", sentence);
+}
 
 static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                         fmi2String category, fmi2String message, ...) {
@@ -18,16 +26,18 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String instanc
     (void)category;
     Log *log = environment;
     if (!log || !message || status == fmi2OK || status == fmi2Pending) return;
+    char sentence[2048];
     va_list arguments;
     va_start(arguments, message);
+    vsnprintf(sentence, sizeof sentence, message, arguments);
+    va_end(arguments);
     if (status == fmi2Warning) {
-        vsnprintf(log->warning, sizeof log->warning, message, arguments);
+        memcpy(log->warning, sentence, sizeof sentence);
         log->warnings++;
     } else {
-        vsnprintf(log->error, sizeof log->error, message, arguments);
+        append(log->error, sizeof log->error, sentence);
         log->errors++;
     }
-    va_end(arguments);
 }
 
 /* The callbacks of one instance; `log` must stay where it is as long as the instance lives. */

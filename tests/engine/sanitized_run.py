@@ -1,0 +1,59 @@
+"""Runs plans with an engine that was built with sanitizers. Started by ``test_sanitizers.py``, not by pytest.
+
+The arguments are the sanitized engine and the sanitized probe.
+"""
+
+import sys
+from pathlib import Path
+
+from navfmu.engine import compiled
+from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.recording import RunError
+from navfmu.faults import Fault
+from tests.engine import probe as probes
+from tests.engine.probe import chain, probe, ring
+
+compiled.binary = lambda: Path(sys.argv[1])
+probes.library = lambda: Path(sys.argv[2])
+
+FAULTS = [
+    Fault("bias", "lag0.y", "bias", 2.0, 3.0, {"value": 0.5}),
+    Fault("drift", "lag2.y", "drift", 0.0, 9.0, {"rate": 0.1}),
+    Fault("stuck", "lag1.y", "stuck", 6.0, 1.0),
+    Fault("given", "lag3.echo", "stuck", 6.0, 1.0, {"value": 9}),
+    Fault("late", "lag0.data", "dropout", 4.5, 2.0),
+    Fault("noise", "lag1.y", "noise", 1.0, 6.0, {"sigma": 0.1, "period": 0.25}),
+    Fault("pushed", "lag2.number", "input", 3.0, 4.0, {"value": 7}),
+    Fault("raised", "lag2.flag", "input", 0.0, 4.0),
+    Fault("turned", "lag3.gain", "parameter", 3.0, 4.0, {"value": 2.0}),
+]
+
+
+def main() -> None:
+    lags, connections = chain(4, interpolates=True, start=1.0, u=0.5, label="first of them")
+    connections += [Connection("lag0.data.sequence", "lag1.number"), Connection("lag0.data.valid", "lag1.flag")]
+    for algorithm in ("jacobi", "gauss_seidel"):
+        for faults in ([], FAULTS):
+            plan = make_plan(lags, connections, step=0.1, stop=10.0, algorithm=algorithm, faults=faults, record=["*"])
+            with compiled.Compiled(plan) as engine:
+                engine.initialise()
+                engine.advance(40)
+                snapshot = engine.snapshot()
+                engine.advance()
+                engine.restore(snapshot)
+                engine.advance()
+                engine.free(snapshot)
+                engine.recording()
+        compiled.run(make_plan(*ring(), step=0.1, stop=10.0, algorithm=algorithm, record_period=0.3))
+        compiled.run(make_plan([probe("alone")], [], step=0.1, stop=1.0, algorithm=algorithm, record=[]))
+        for call in range(5):
+            bad = probe("bad", fail_call=call, fail_status=3, fail_at=0.0, u=1.0, label="x" * 60)
+            for pushed in ([], [Fault("push", "bad.u", "input", 0.5, 1.0, {"value": 2.0})]):
+                try:
+                    compiled.run(make_plan([bad], [], step=0.1, stop=1.0, algorithm=algorithm, faults=pushed))
+                except RunError as error:
+                    assert "gave up" in str(error)
+    print("clean")
+
+
+main()
