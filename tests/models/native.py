@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterable
 from ctypes import c_double, c_uint
 from pathlib import Path
@@ -25,6 +24,13 @@ class Native:
         fmpy.extract(str(path), str(self.folder))
         self.description = fmpy.read_model_description(str(path))
         self.fields = component.layout.fields
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(self.folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="tested",
+        )
+        self.fmu.instantiate()
 
     def run(
         self,
@@ -35,36 +41,28 @@ class Native:
         inputs: Callable[[float], dict[str, Any]] | None = None,
     ) -> dict[str, np.ndarray]:
         """Values at 0, step, ... stop; inputs are set before each step (those that change)."""
-        fmu = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=str(self.folder),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="tested",
-        )
-        fmu.instantiate()
-        try:
-            fmu.setupExperiment(startTime=0.0)
-            for name, value in (parameters or {}).items():
-                self._set(fmu, name, value)
-            fmu.enterInitializationMode()
-            fmu.exitInitializationMode()
-            fields = [self.fields[name] for name in record]
-            references = [i for f in fields for i in range(f.index, f.index + f.size)]
-            count = round(stop / step)
-            values = np.empty((count + 1, len(references)))
-            # FMPy's lists would take most of the time: one array of references, the rows of the result as buffers
-            numbers = (c_uint * len(references))(*references)
-            rows = [(c_double * len(references)).from_buffer(row) for row in values]
-            fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[0])
-            for k in range(count):
-                if inputs is not None:
-                    for name, value in inputs(k * step).items():
-                        self._set(fmu, name, value)
-                fmu.fmi2DoStep(fmu.component, k * step, step, 1)
-                fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[k + 1])
-            fmu.terminate()
-        finally:
-            fmu.freeInstance()
+        fmu = self.fmu
+        fmu.reset()
+        fmu.setupExperiment(startTime=0.0)
+        for name, value in (parameters or {}).items():
+            self._set(fmu, name, value)
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        fields = [self.fields[name] for name in record]
+        references = [i for f in fields for i in range(f.index, f.index + f.size)]
+        count = round(stop / step)
+        values = np.empty((count + 1, len(references)))
+        # FMPy's lists would take most of the time: one array of references, the rows of the result as buffers
+        numbers = (c_uint * len(references))(*references)
+        rows = [(c_double * len(references)).from_buffer(row) for row in values]
+        fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[0])
+        for k in range(count):
+            if inputs is not None:
+                for name, value in inputs(k * step).items():
+                    self._set(fmu, name, value)
+            fmu.fmi2DoStep(fmu.component, k * step, step, 1)
+            fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[k + 1])
+        fmu.terminate()
         result, column = {"time": np.arange(count + 1) * step}, 0
         for field in fields:
             block = values[:, column : column + field.size]
@@ -82,10 +80,6 @@ class Native:
             fmu.setInteger(references, [int(x) for x in numbers])
         else:
             fmu.setBoolean(references, [bool(x) for x in numbers])
-
-    def remove(self) -> None:
-        """Delete the unzipped FMU."""
-        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def interpret(component: type, **values: Any) -> Interpreter:

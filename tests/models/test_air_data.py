@@ -1,0 +1,180 @@
+"""Air data: published values of the standard atmosphere, the pitot-static chain and what blocked ports show."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from fmus.air_data import AirData
+from models import air_data, atmosphere
+from tests.models.native import Native, interpret
+
+QUIET = {"airspeed_error_sigma": 0.0, "altitude_error_sigma": 0.0}
+KNOT, FOOT = 1852.0 / 3600.0, 0.3048
+
+
+@pytest.mark.parametrize(
+    ("altitude", "temperature", "pressure", "density"),
+    [  # ISO 2533, by geopotential altitude
+        (0.0, 288.15, 101325.0, 1.22500),
+        (1000.0, 281.65, 89874.6, 1.11164),
+        (2000.0, 275.15, 79495.2, 1.00649),
+        (5000.0, 255.65, 54019.9, 0.736116),
+        (11000.0, 216.65, 22632.1, 0.363918),
+    ],
+)
+def test_standard_atmosphere_has_the_published_values(altitude, temperature, pressure, density):
+    assert atmosphere.temperature(altitude) == pytest.approx(temperature, abs=1e-9)
+    assert atmosphere.pressure(altitude) == pytest.approx(pressure, abs=0.06)
+    assert atmosphere.density(atmosphere.pressure(altitude), temperature) == pytest.approx(density, rel=1e-5)
+    assert atmosphere.pressure_altitude(pressure) == pytest.approx(altitude, abs=0.02)
+
+
+def test_speed_of_sound_and_geopotential_altitude_have_the_published_values():
+    assert atmosphere.SPEED_OF_SOUND == pytest.approx(340.294, abs=1e-3)
+    assert atmosphere.geopotential(10000.0) == pytest.approx(9984.29, abs=0.01)  # ISO 2533
+
+
+@pytest.mark.parametrize("deviation", [-20.0, 0.0, 25.0])
+def test_pressure_is_in_hydrostatic_balance_on_any_day(deviation):
+    """dp/dH = -rho g, whatever the temperature."""
+    h = 1500.0
+    slope = (atmosphere.pressure(h + 1.0, deviation, 1e5) - atmosphere.pressure(h - 1.0, deviation, 1e5)) / 2.0
+    density = atmosphere.density(atmosphere.pressure(h, deviation, 1e5), atmosphere.temperature(h, deviation))
+    assert slope == pytest.approx(-density * 9.80665, rel=1e-6)
+
+
+def test_impact_pressure_tends_to_the_incompressible_form_of_the_thesis():
+    """(2.2): V = sqrt(2 dP / rho); the next term of the series is M^2 / 4."""
+    for speed in (5.0, 50.0):
+        static, total, temperature = air_data.pressures(speed, 2000.0, 0.0, atmosphere.PRESSURE)
+        mach = speed / atmosphere.speed_of_sound(temperature)
+        dynamic = 0.5 * atmosphere.density(static, temperature) * speed**2
+        assert (total - static) / dynamic - 1.0 == pytest.approx(mach**2 / 4.0, rel=0.01)
+
+
+def test_calibrated_airspeed_has_the_published_value():
+    """Mach 0.8 at the tropopause: impact pressure ratio 0.52434 (isentropic tables), calibrated airspeed 265 kt."""
+    assert air_data.impact_ratio(0.8) == pytest.approx(0.52434, abs=1e-5)
+    static = atmosphere.pressure(11000.0)
+    calibrated = air_data.calibrated_airspeed(static, static * 1.52434)
+    # by hand: q_c = 11866.9 Pa, q_c/p_0 = 0.117117, M = sqrt(5 (1.117117^(2/7) - 1)) = 0.400933
+    assert calibrated == pytest.approx(0.400933 * 340.294, rel=1e-5)
+    assert calibrated / KNOT == pytest.approx(265.2, abs=0.1)
+
+
+@pytest.mark.parametrize("altitude", [0.0, 1800.0, 6000.0])
+@pytest.mark.parametrize("day", [(0.0, 101325.0), (15.0, 99000.0)])
+def test_without_errors_the_chain_returns_the_true_airspeed(altitude, day):
+    run = interpret(
+        AirData,
+        **QUIET,
+        altitude=altitude,
+        velocity_n=(40.0, 20.0, -2.0),
+        wind_n=(-5.0, 8.0, 0.0),
+        temperature_deviation=day[0],
+        sea_level_pressure=day[1],
+    )
+    run.do_step(0.0, 0.1)
+    assert run.get("air.true_airspeed") == pytest.approx(np.sqrt(45.0**2 + 12.0**2 + 2.0**2), rel=1e-9)
+    assert run.get("air.valid") and run.get("air.sequence") == 1
+    temperature = 288.15 + day[0] - 0.0065 * atmosphere.geopotential(altitude)
+    assert run.get("air.temperature") == pytest.approx(temperature, abs=1e-9)
+    if day == (0.0, 101325.0):
+        assert run.get("air.pressure_altitude") == pytest.approx(atmosphere.geopotential(altitude), abs=1e-6)
+        density_ratio = atmosphere.density(atmosphere.pressure(altitude), temperature) / atmosphere.DENSITY
+        equivalent = run.get("air.true_airspeed") * np.sqrt(density_ratio)
+        assert run.get("air.calibrated_airspeed") == pytest.approx(equivalent, rel=2e-3)
+
+
+def test_low_pressure_day_reads_high_by_27_feet_per_hectopascal():
+    run = interpret(AirData, **QUIET, altitude=0.0, sea_level_pressure=100325.0)
+    run.do_step(0.0, 0.1)
+    assert run.get("air.pressure_altitude") / FOOT / 10.0 == pytest.approx(27.4, abs=0.2)
+
+
+def test_geoid_height_is_between_the_ellipsoid_and_sea_level():
+    run = interpret(AirData, **QUIET, altitude=100.0, geoid_height=-32.0)
+    run.do_step(0.0, 0.1)
+    assert run.get("air.pressure_altitude") == pytest.approx(132.0, abs=0.01)
+
+
+def test_errors_have_the_sigma_and_time_of_the_thesis(tmp_path):
+    """(3.32)-(3.34): 2.6 m/s and 23 m, 400 s; 300 seeds, at the first sample and 400 s later. Bounds at 1e-6."""
+    native = Native(AirData, tmp_path)
+    inputs = {"altitude": 500.0, "velocity_n": (50.0, 0.0, 0.0)}
+    record = ["air.calibrated_airspeed", "air.pressure_altitude"]
+    clean = native.run(0.1, 0.1, record, QUIET, lambda t: inputs)
+    count, errors = 300, []
+    for seed in range(count):
+        run = native.run(400.0, 200.0, record, {"seed": seed}, lambda t: inputs)
+        errors.append([[run[name][k] - clean[name][-1] for name in record] for k in (1, 2)])
+    errors = np.array(errors)
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], count) / count
+    for column, sigma in ((0, 2.6), (1, 23.0)):
+        for moment in (0, 1):
+            assert low < np.mean(errors[:, moment, column] ** 2) / sigma**2 < high
+        r = np.corrcoef(errors[:, 0, column], errors[:, 1, column])[0, 1]
+        assert abs(np.arctanh(r) - np.arctanh(np.exp(-0.5))) < 4.9 / np.sqrt(count - 3)
+    assert abs(np.arctanh(np.corrcoef(errors[:, 0, 0], errors[:, 0, 1])[0, 1])) < 4.9 / np.sqrt(count - 3)
+
+
+def test_white_noise_is_per_sample(tmp_path):
+    native = Native(AirData, tmp_path)
+    inputs = {"altitude": 500.0, "velocity_n": (50.0, 0.0, 0.0)}
+    run = native.run(100.0, 0.1, ["air.calibrated_airspeed"], {**QUIET, "airspeed_noise_sigma": 1.0}, lambda t: inputs)
+    noise = run["air.calibrated_airspeed"][1:]
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], noise.size - 1) / (noise.size - 1)
+    assert low < np.var(noise, ddof=1) < high
+
+
+def fly(run, time, altitude, speed):
+    """One sample later, at another altitude and speed: indicated airspeed and altitude."""
+    run.set("altitude", altitude)
+    run.set("velocity_n", (speed, 0.0, 0.0))
+    run.do_step(time, 0.1)
+    return run.get("air.calibrated_airspeed"), run.get("air.pressure_altitude")
+
+
+def test_blocked_pitot_tube_is_deaf_to_speed_and_works_as_an_altimeter():
+    run = interpret(AirData, **QUIET)
+    before, _ = fly(run, 0.0, 1000.0, 50.0)
+    run.set("pitot_blocked", True)
+    assert fly(run, 0.1, 1000.0, 30.0)[0] == before
+    climbed, altitude = fly(run, 0.2, 1300.0, 50.0)
+    assert climbed > before + 20.0  # 3 kPa less static pressure
+    trapped = atmosphere.pressure(atmosphere.geopotential(1000.0)) * (
+        1
+        + air_data.impact_ratio(
+            50.0 / atmosphere.speed_of_sound(atmosphere.temperature(atmosphere.geopotential(1000.0)))
+        )
+    )
+    difference = trapped - atmosphere.pressure(atmosphere.geopotential(1300.0))
+    expected = 340.294 * np.sqrt(5 * ((1 + difference / 101325.0) ** (2 / 7) - 1))
+    assert climbed == pytest.approx(expected, rel=1e-5)
+    assert altitude == pytest.approx(atmosphere.geopotential(1300.0), abs=1e-6)
+    assert fly(run, 0.3, 700.0, 50.0)[0] == 0.0  # descended below: no pressure difference left
+    run.set("pitot_blocked", False)
+    assert fly(run, 0.4, 1000.0, 50.0)[0] == before
+
+
+def test_blocked_static_port_freezes_the_altitude_and_spoils_the_airspeed():
+    run = interpret(AirData, **QUIET)
+    before, altitude = fly(run, 0.0, 1000.0, 50.0)
+    run.set("static_blocked", True)
+    level, frozen = fly(run, 0.1, 1000.0, 50.0)
+    assert (level, frozen) == (before, altitude)
+    low, frozen = fly(run, 0.2, 1050.0, 50.0)
+    assert low < before - 4.0 and frozen == altitude
+    high, frozen = fly(run, 0.3, 950.0, 50.0)
+    assert high > before + 4.0 and frozen == altitude
+    run.set("static_blocked", False)
+    assert fly(run, 0.4, 1000.0, 50.0) == (before, altitude)
+
+
+def test_temperature_error_spoils_the_true_airspeed_only():
+    clean, wrong = (interpret(AirData, **QUIET, temperature_error=e) for e in (0.0, 10.0))
+    a, b = (fly(run, 0.0, 1000.0, 50.0)[0] for run in (clean, wrong))
+    assert a == b
+    ratio = wrong.get("air.true_airspeed") / clean.get("air.true_airspeed")
+    t = clean.get("air.temperature")
+    assert ratio == pytest.approx(np.sqrt((t + 10.0) / t), rel=1e-9)
