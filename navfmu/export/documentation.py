@@ -23,7 +23,8 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto
 h1 { margin-bottom: 0; } h2 { margin-top: 2.2rem; border-bottom: 1px solid #ccd5dd; } h3 { margin-bottom: 0.2rem; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.8rem 0.25rem 0; border-bottom: 1px solid #e3e8ed; }
-td.number { white-space: nowrap; } code, pre { font: 0.85rem/1.45 ui-monospace, monospace; }
+td:nth-child(-n+4) { max-width: 13rem; overflow-wrap: anywhere; } td:nth-child(5) { min-width: 16rem; }
+code, pre { font: 0.85rem/1.45 ui-monospace, monospace; }
 pre { background: #f4f6f8; padding: 0.7rem 1rem; overflow-x: auto; border-radius: 4px; }
 img { max-width: 100%; } .quiet { color: #5d6b78; } summary { cursor: pointer; color: #24567f; }
 """
@@ -148,8 +149,8 @@ def _row(name: str, group: list[ir.Variable]) -> str:
     if first.causality == "parameter" and first.variability == "tunable":
         meaning += " (tunable)"
     cells = f"<td><code>{_escape(shown)}</code></td><td>{_escape(unit if unit != '1' else '')}</td>"
-    cells += f'<td class="number">{_escape(start)}</td><td class="number">{_escape(limits)}</td>'
-    return f"<tr>{cells}<td>{_escape(meaning)}</td></tr>"
+    cells += f"<td>{_escape(start)}</td><td>{_escape(limits)}</td>"
+    return f"<tr>{cells}<td>{_inline(meaning)}</td></tr>"
 
 
 def _value(variable: ir.Variable, value: float) -> str:

@@ -5,18 +5,21 @@ from __future__ import annotations
 import ctypes
 import os
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, nearest
 from navfmu.export import codegen, ir
 
 #: Height of the step of an input, by its unit.
 _STEPS = {"m": 100.0, "m/s": 10.0, "m/s2": 1.0, "rad": 0.1, "rad/s": 0.02, "T": 1e-5, "Pa": 1000.0, "K": 5.0}
-#: One tenth of a degree is enough for a place on the earth.
-_ANGLES_ON_EARTH = ("latitude", "longitude")
+#: Places on the earth step by a minute of arc.
+_PLACES = ("latitude", "longitude")
+_MINUTE = 0.0002908882086657216
 
 
 @dataclass(frozen=True)
@@ -31,14 +34,28 @@ class Response:
     fed: list[str]  # bundles that were fed
 
 
-def step_response(model: ir.Model, guid: str, library: Path, stop: float = 60.0) -> Response:
-    """Run the built library of this machine: all inputs step at a fifth of the time, bundles come at every tick."""
+def step_response(
+    model: ir.Model,
+    guid: str,
+    library: Path,
+    example: Mapping[str, Any] | None = None,
+    steps: Mapping[str, Any] | None = None,
+    stop: float = 60.0,
+) -> Response:
+    """Run the built library of this machine: inputs step at a fifth of the time, bundles come at every tick.
+
+    ``example`` gives values other than the start values: parameters, and what inputs step from, by name (an array for
+    a vector). ``steps`` gives the height of steps; without it all Real inputs step by something that suits their unit.
+    """
+    base = _values(model, example or {})
     periods = [model.variables[i].start for i in codegen.clocks(model)]
     count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
     h, onset = stop / count, stop / 5
     bundles = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
     inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
     stepped = {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
+    if steps is not None:
+        stepped = {index: height for index, height in _values(model, steps).items() if height}
     reals = [v.index for v in model.variables if v.causality == "output" and v.type == "Real"]
     shown = [i for i in reals if not model.variables[i].name.endswith(".time_of_validity")]
     by_name = {v.name: v.index for v in model.variables}
@@ -48,12 +65,16 @@ def step_response(model: ir.Model, guid: str, library: Path, stop: float = 60.0)
         for bundle in bundles:
             flags = [v.index for v in model.variables if v.bundle == bundle and v.type == "Boolean"]
             run.set(flags, [1] * len(flags), boolean=True)
+        for kind in ("Real", "Integer", "Boolean"):
+            indices = [i for i in base if model.variables[i].type == kind]
+            run.set(indices, [base[i] for i in indices], integer=kind == "Integer", boolean=kind == "Boolean")
         run.initialise()
         values[0] = run.get(shown)
         for k in range(count):
             past = time[k] >= onset
             indices = list(stepped)
-            run.set(indices, [model.variables[i].start + (stepped[i] if past else 0.0) for i in indices])
+            starts = (base.get(i, model.variables[i].start) for i in indices)
+            run.set(indices, [s + (stepped[i] if past else 0.0) for i, s in zip(indices, starts, strict=True)])
             for bundle in bundles:
                 run.set([by_name[f"{bundle}.sequence"]], [k + 1], integer=True)
                 run.set([by_name[f"{bundle}.time_of_validity"]], [time[k]])
@@ -62,9 +83,26 @@ def step_response(model: ir.Model, guid: str, library: Path, stop: float = 60.0)
     return Response(time, shown, values, onset, stepped, bundles)
 
 
+def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
+    """Return values given by name (an array for a vector) by index."""
+    known = {v.name: v.index for v in model.variables if v.causality in ("input", "parameter")}
+    values: dict[int, Any] = {}
+    for name, value in example.items():
+        array = np.asarray(value)
+        for place in np.ndindex(array.shape):
+            full = name + (f"[{','.join(str(i + 1) for i in place)}]" if place else "")
+            if full not in known:
+                raise NavfmuError(
+                    f"component '{model.name}': its example sets '{full}', which is no input or parameter"
+                    f"{nearest(full, known)}"
+                )
+            values[known[full]] = array[place].item()
+    return values
+
+
 def _height(variable: ir.Variable) -> float:
     leaf = variable.name.rpartition(".")[2].partition("[")[0]
-    return 0.1 / 57.3 if leaf in _ANGLES_ON_EARTH else _STEPS.get(variable.unit or "1", 1.0)
+    return _MINUTE if leaf in _PLACES else _STEPS.get(variable.unit or "1", 1.0)
 
 
 class _Run:

@@ -1,0 +1,57 @@
+"""``python -m navfmu.export [NAME ...]``: build the FMUs of a folder of components."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import click
+
+from navfmu.errors import NavfmuError
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option("--folder", default="fmus", show_default=True, help="Folder whose modules define components.")
+@click.option(
+    "--out", default="dist", show_default=True, help="Folder for the FMUs; the Python twins go to OUT/python."
+)
+@click.option(
+    "--platforms",
+    default="host",
+    show_default=True,
+    help="host, all, or a list such as x86_64-linux,win64.",
+)
+@click.option("--twins/--no-twins", default=True, show_default=True, help="Build the Python twins too.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Compilers at a time; as many as there are processors.")
+def main(names: tuple[str, ...], folder: str, out: str, platforms: str, twins: bool, jobs: int | None) -> None:
+    """Build FMUs from components: all that the modules in a folder define, or only those NAMEd.
+
+    An FMU that has not changed is taken from the cache.
+    """
+    try:
+        _build(names, folder, Path(out), platforms, twins, jobs)
+    except NavfmuError as error:
+        click.echo(f"navfmu.export: {error}", err=True)
+        sys.exit(2)
+
+
+def _build(names: tuple[str, ...], folder: str, out: Path, platforms: str, twins: bool, jobs: int | None) -> None:
+    from navfmu.export.build import build_all
+    from navfmu.export.discovery import choose, components
+    from navfmu.progress import Progress
+
+    started = time.monotonic()
+    chosen = choose(components(folder), names)
+    with Progress("building FMUs") as progress:
+        built = build_all(chosen, out, platforms.split(","), jobs, progress, twins=out / "python" if twins else None)
+    for item in built:
+        state = "unchanged" if item.unchanged else f"{item.path.stat().st_size / 1000:.0f} kB"
+        click.echo(f"{item.path}  {state}")
+    fresh = sum(not item.unchanged for item in built)
+    click.echo(f"{len(built)} FMUs, {fresh} built anew, in {time.monotonic() - started:.1f} s")
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m navfmu.export")
