@@ -77,7 +77,7 @@ def checked(description: Description, variable: Variable, value: Any, where: str
         return str(value)
     if variable.type == "Boolean":
         return _boolean(value, what)
-    number = _number(description, variable, value, what)
+    number = quantity(description, variable, value, what)
     if variable.type in ("Integer", "Enumeration"):
         if number != math.floor(number):
             raise NavfmuError(f"{what}: expected an integer")
@@ -147,7 +147,8 @@ def _boolean(value: Any, what: str) -> bool:
     raise NavfmuError(f"{what}: expected true or false")
 
 
-def _number(description: Description, variable: Variable, value: Any, what: str) -> float:
+def quantity(description: Description, variable: Variable, value: Any, what: str) -> float:
+    """A number, or a text such as "0.5 nmi", in the variable's own unit; ``what`` begins the sentence if it is none."""
     if isinstance(value, str):
         match = _NUMBER.match(value)
         if match is None:

@@ -93,6 +93,12 @@ class System:
         self._known(component, where)
         return self.fmus[component].description.variable(rest, f"{where} '{name}'")
 
+    def value(self, name: str) -> Any:
+        """The start value of "component.variable": the system's, or else that of the FMU."""
+        variable = self.variable(name)
+        component = name.partition(".")[0]
+        return self.values[component].get(variable.name, variable.start)
+
     def plan(
         self,
         stop: float | None = None,

@@ -30,15 +30,30 @@ _lock = Lock()
 
 
 @contextmanager
-def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 4.5), **options: Any) -> Iterator[Any]:
-    """Yield (figure, axes) with the common style; not through pyplot, so that nothing global is kept."""
+def figure(
+    rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 4.5), below: float = 0.0, **options: Any
+) -> Iterator[Any]:
+    """Yield (figure, axes) with the common style; not through pyplot, so that nothing global is kept.
+
+    Margins are fixed lengths (inch): a layout that measures its texts would draw everything twice. ``below`` is room
+    for legends under the axes.
+    """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    width, height = size
     with _lock, matplotlib.rc_context(_STYLE):
-        drawing = Figure(figsize=size, layout="constrained")
+        drawing = Figure(figsize=size)
         FigureCanvasAgg(drawing)
+        drawing.subplots_adjust(
+            left=0.75 / width,
+            right=1 - 0.15 / width,
+            bottom=(0.5 + below) / height,
+            top=1 - 0.35 / height,
+            wspace=0.08 if options.get("sharey") else 0.3,
+            hspace=0.25,
+        )
         yield drawing, drawing.subplots(rows, columns, **options)
 
 

@@ -19,7 +19,7 @@ def picture(result: Sweep) -> bytes:
     from navfmu.sweep import ALGORITHMS
 
     signals = _most_affected(result)
-    with figure(1, 2, size=(10.5, 5.2), sharex=True, sharey=True) as (drawing, axes):
+    with figure(1, 2, size=(10.5, 5.2), below=0.7, sharex=True, sharey=True) as (drawing, axes):
         for axis, algorithm in zip(axes, ALGORITHMS, strict=True):
             for colour, signal in zip(COLOURS, signals, strict=False):
                 rows = [row for row in result.of(algorithm, signal) if row.counts and row.span > 0]
@@ -29,7 +29,7 @@ def picture(result: Sweep) -> bytes:
             axis.axhline(100 * result.tolerance, color=GREY, linestyle="--", linewidth=1)
             axis.set_title(algorithm.replace("_", "-").title() + "  (order of the error in brackets)")
             axis.set_xlabel("communication step, s")
-            axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
+            axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
         axes[0].set_ylabel("rms error, % of the signal's range")
         axes[0].annotate(
             "tolerance", (0.99, 100 * result.tolerance), xycoords=("axes fraction", "data"), ha="right", va="bottom",

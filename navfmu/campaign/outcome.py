@@ -1,0 +1,180 @@
+"""What a campaign found: a finding for each run and requirement, and a verdict for each cell of the matrix."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
+
+if TYPE_CHECKING:
+    from navfmu.campaign.file import Campaign, Case
+    from navfmu.campaign.run import Run
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One run with its findings by requirement, or with the reason why there are none."""
+
+    run: Run
+    findings: dict[str, Finding]
+    error: str | None = None
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A requirement, asked of a variant in a case."""
+
+    requirement: Requirement
+    variant: str
+    case: str
+    passed: bool
+    held: int  # runs that hold (or are violated, where that is expected)
+    total: int
+    sentence: str
+    worst: Judged | None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the share of runs that hold, in percent."""
+        return wilson(self.held, self.total)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A judged campaign. ``folder`` holds the recordings."""
+
+    campaign: Campaign
+    folder: Path
+    runs: list[Judged]
+    cells: list[Cell]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every requirement holds everywhere."""
+        return all(cell.passed for cell in self.cells) and not any(judged.error for judged in self.runs)
+
+    @property
+    def report(self) -> Path:
+        """The report's file."""
+        return self.folder / "report.html"
+
+    def of(self, variant: str, case: str) -> list[Judged]:
+        """The runs of a variant in a case."""
+        return [judged for judged in self.runs if judged.run.variant == variant and judged.run.case.name == case]
+
+    def series(self, judged: Judged, signals: Sequence[str]) -> dict[str, np.ndarray]:
+        """Recorded signals of a run, with "time"; those it does not have are left out."""
+        return read_series(judged.run.file(self.folder), signals)
+
+    def table(self) -> list[dict[str, Any]]:
+        """One row for each run and requirement."""
+        rows = []
+        for judged in self.runs:
+            head = {"variant": judged.run.variant, "case": judged.run.case.name, "seed": judged.run.seed}
+            tail = {"error": judged.error or "", "recording": f"runs/{judged.run.key}.parquet"}
+            for requirement, finding in judged.findings.items():
+                rows.append(head | {"requirement": requirement} | finding.row() | tail)
+            if not judged.findings:
+                nothing = dict.fromkeys(("held", "percent", "worst", "worst_time", "first_violation"))
+                rows.append(head | {"requirement": ""} | nothing | tail)
+        return rows
+
+
+def evaluate(campaign: Campaign, runs: list[Run], folder: Path) -> Outcome:
+    """Judge the kept recordings; requirements may have changed since they were made."""
+    judged = [_judge_run(campaign, run, folder) for run in runs]
+    cells = []
+    for variant in campaign.systems:
+        for case in campaign.cases:
+            group = [j for j in judged if j.run.variant == variant and j.run.case.name == case.name]
+            for requirement in campaign.requirements:
+                if requirement.applies(variant, case.name):
+                    cells.append(_cell(requirement, variant, case, group, folder))
+    return Outcome(campaign, folder, judged, cells)
+
+
+def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
+    """Columns of a recording."""
+    from pyarrow import parquet
+
+    data = parquet.ParquetFile(file)
+    names = [name for name in ("time", *dict.fromkeys(signals)) if name in data.schema_arrow.names]
+    table = data.read(columns=names)
+    return {name: table[name].to_numpy() for name in names}
+
+
+def _judge_run(campaign: Campaign, run: Run, folder: Path) -> Judged:
+    if run.failure(folder).is_file():
+        return Judged(run, {}, json.loads(run.failure(folder).read_text(encoding="utf-8"))["error"])
+    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
+    series = read_series(run.file(folder), [r.signal for r in asked])
+    findings = {r.id: judge(r, series["time"], series[r.signal]) for r in asked}
+    return Judged(run, {name: finding for name, finding in findings.items() if finding is not None})
+
+
+def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
+    if requirement.quantile is not None:
+        return _quantile_cell(requirement, variant, case, group, folder)
+    found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
+    held = sum(finding.held != requirement.expect_violated for _, finding in found)
+    total = len(group)
+    passed = total > 0 and 100.0 * held / total >= requirement.runs - 1e-9
+    worst = max(found, key=lambda pair: _badness(requirement, pair[1]), default=(None, None))
+    what = "violated, as expected, in" if requirement.expect_violated else "held in"
+    sentence = f"{what} {held} of {total} runs"
+    if worst[1] is not None:
+        finding = worst[1]
+        unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
+        sentence += f"; worst: seed {worst[0].run.seed}, {finding.worst:.4g}{unit} at t = {finding.worst_time:g} s"
+        sentence += f", inside for {finding.percent:.1f} % of the time"
+        if finding.first_violation is not None:
+            sentence += f", first violated at t = {finding.first_violation:g} s"
+    failed = sum(j.error is not None for j in group)
+    if failed:
+        sentence += f"; {failed} runs ended with an error"
+    return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0])
+
+
+def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
+    return -finding.percent, float(requirement.excess(np.array([finding.worst]))[0])
+
+
+def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
+    """A quantile over the runs at every time."""
+    good = [j for j in group if j.error is None]
+    rows = [read_series(j.run.file(folder), [requirement.signal]) for j in good]
+    if not rows:
+        return Cell(requirement, variant, case.name, False, 0, len(group), "every run ended with an error", None)
+    time = rows[0]["time"]
+    window = requirement.window(time)
+    values = np.stack([row[requirement.signal].astype(np.float64) for row in rows])[:, window]
+    # the order statistic at or beyond the quantile: nothing between two runs is made up
+    upper = np.quantile(values, requirement.quantile, axis=0, method="higher")
+    lower = np.quantile(values, 1.0 - requirement.quantile, axis=0, method="lower")
+    excess = np.full(upper.shape, -np.inf)
+    if requirement.most is not None:
+        excess = np.maximum(excess, upper - requirement.most)
+    if requirement.least is not None:
+        excess = np.maximum(excess, requirement.least - lower)
+    worst = int(np.argmax(excess))
+    inside = (values <= (np.inf if requirement.most is None else requirement.most)) & (
+        values >= (-np.inf if requirement.least is None else requirement.least)
+    )
+    held = int(np.count_nonzero(inside[:, worst]))
+    bound = upper if requirement.most is not None else lower
+    unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
+    passed = bool(np.all(excess <= 0.0)) and len(good) == len(group)
+    sentence = (
+        f"{100 * requirement.quantile:g}th percentile of {len(good)} runs at worst {bound[worst]:.4g}{unit} "
+        f"at t = {time[window][worst]:g} s, where {held} of {len(good)} runs are inside"
+    )
+    if len(good) < len(group):
+        sentence += f"; {len(group) - len(good)} runs ended with an error"
+    most_wrong = int(np.argmax(requirement.excess(values[:, worst])))
+    return Cell(requirement, variant, case.name, passed, held, len(group), sentence, good[most_wrong])

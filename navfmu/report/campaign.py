@@ -1,0 +1,379 @@
+"""Report of a campaign: verdict matrix, pictures, worst cases first, and how to repeat each run."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navfmu.campaign.file import Case
+from navfmu.campaign.outcome import Judged, Outcome
+from navfmu.campaign.requirement import Requirement
+from navfmu.campaign.run import command_of
+from navfmu.errors import NavfmuError
+from navfmu.files import replacing, write_file
+from navfmu.report.figure import COLOURS, GREY, figure, png
+from navfmu.report.page import Page
+from navfmu.report.provenance import section
+
+TRUTH = ("aircraft.latitude", "aircraft.longitude")
+ESTIMATE = ("navigator.solution.latitude", "navigator.solution.longitude")
+NAUTICAL_MILE = 1852.0
+EARTH = 6_371_000.0  # m, for pictures only
+
+
+def write_report(outcome: Outcome, folder: Path) -> Path:
+    """Write ``runs.csv``, ``runs.parquet``, ``verdicts.csv``, ``campaign.json`` and ``report.html``."""
+    about = provenance(outcome)
+    rows = outcome.table()
+    write_file(folder / "runs.csv", _csv(rows))
+    _write_parquet(rows, folder / "runs.parquet", about)
+    write_file(folder / "verdicts.csv", _csv(_verdicts(outcome)))
+    write_file(folder / "campaign.json", json.dumps(about, indent=2) + "\n")
+    return write_file(folder / "report.html", page(outcome, about).html())
+
+
+def provenance(outcome: Outcome) -> dict[str, Any]:
+    """What is needed to repeat the campaign. Nothing in it depends on how it was run."""
+    from navfmu.provenance import versions
+
+    campaign = outcome.campaign
+    return {
+        "campaign": str(campaign.path),
+        "system": str(campaign.system),
+        "digests": {name: system.digest for name, system in campaign.systems.items()},
+        "fmus": {name: system.hashes() for name, system in campaign.systems.items()},
+        "seeds": list(campaign.seeds),
+        "stop": campaign.stop,
+        "step": campaign.step,
+        "algorithm": campaign.algorithm,
+        "parameters": campaign.parameters,
+        "versions": versions(),
+        "command": f"navfmu campaign {campaign.path}",
+    }
+
+
+def _verdicts(outcome: Outcome) -> list[dict[str, Any]]:
+    return [
+        {
+            "requirement": cell.requirement.id,
+            "sentence": cell.requirement.sentence,
+            "variant": cell.variant,
+            "case": cell.case,
+            "verdict": "holds" if cell.passed else "violated",
+            "runs_held": cell.held,
+            "runs": cell.total,
+            "interval_low_percent": round(cell.interval[0], 2),
+            "interval_high_percent": round(cell.interval[1], 2),
+            "seen": cell.sentence,
+        }
+        for cell in outcome.cells
+    ]
+
+
+def _csv(rows: list[dict[str, Any]]) -> str:
+    text = io.StringIO()
+    if rows:
+        writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    return text.getvalue()
+
+
+def _write_parquet(rows: list[dict[str, Any]], path: Path, about: dict[str, Any]) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    table = pyarrow.Table.from_pylist(rows).replace_schema_metadata({"navfmu": json.dumps(about)})
+    with replacing(path) as temporary:
+        parquet.write_table(table, temporary, compression="zstd")
+
+
+# ---- the page --------------------------------------------------------------------------------------------------------
+
+
+def page(outcome: Outcome, about: dict[str, Any]) -> Page:
+    """The whole report."""
+    campaign = outcome.campaign
+    sizes = f"{len(campaign.systems)} variants x {len(campaign.cases)} cases x {len(campaign.seeds)} seeds"
+    result = Page(
+        f"Campaign {campaign.name}",
+        f"{campaign.description + '. ' if campaign.description else ''}{len(outcome.runs)} runs ({sizes}) of "
+        f"{campaign.stop:g} s in steps of {campaign.step:g} s, {campaign.algorithm}",
+    )
+    _verdict_section(result, outcome)
+    _case_section(result, outcome)
+    _failures(result, outcome)
+    for variant in campaign.systems:
+        for case in campaign.cases:
+            _cell_section(result, outcome, variant, case)
+    _runs_section(result, outcome)
+    section(result, about)
+    return result
+
+
+def _verdict_section(result: Page, outcome: Outcome) -> None:
+    result.heading("Verdicts")
+    if not outcome.cells:
+        result.text("The campaign has no requirements.")
+        return
+    campaign = outcome.campaign
+    ids = [requirement.id for requirement in campaign.requirements]
+    cells = {(cell.variant, cell.case, cell.requirement.id): cell for cell in outcome.cells}
+    groups = [(variant, case.name) for variant in campaign.systems for case in campaign.cases]
+
+    def text(key: tuple[str, str, str]) -> str:
+        cell = cells.get(key)
+        if cell is None:
+            return "not asked"
+        return f"{'holds' if cell.passed else 'VIOLATED'} {cell.held}/{cell.total}"
+
+    def style(row: int, column: int) -> str | None:
+        if column < 2:
+            return None
+        cell = cells.get((*groups[row], ids[column - 2]))
+        return "none" if cell is None else "good" if cell.passed else "bad"
+
+    rows = [[*group, *(text((*group, name)) for name in ids)] for group in groups]
+    result.table(["variant", "case", *ids], rows, style)
+    result.items(_in_words(requirement) for requirement in campaign.requirements)
+    result.heading("What was seen, worst first")
+    ordered = sorted(outcome.cells, key=lambda cell: (cell.passed, cell.held / max(cell.total, 1)))
+    result.table(
+        ["requirement", "variant", "case", "verdict", "95 % interval of the share of runs", "seen"],
+        [
+            [
+                cell.requirement.id,
+                cell.variant,
+                cell.case,
+                "holds" if cell.passed else "VIOLATED",
+                "" if cell.requirement.quantile is not None else f"{cell.interval[0]:.0f} to {cell.interval[1]:.0f} %",
+                cell.sentence,
+            ]
+            for cell in ordered
+        ],
+        lambda row, column: ("good" if ordered[row].passed else "bad") if column == 3 else None,
+    )
+
+
+def _in_words(requirement: Requirement) -> str:
+    severity = f" ({requirement.severity})" if requirement.severity else ""
+    more = f". {requirement.description}" if requirement.description else ""
+    return f"{requirement.id}{severity}: {requirement.sentence}{more}"
+
+
+def _case_section(result: Page, outcome: Outcome) -> None:
+    """What each case does to the system."""
+    rows = []
+    for case in outcome.campaign.cases:
+        if not case.faults:
+            rows.append([case.name, case.description, "", "", "", ""])
+        for fault in case.faults:
+            values = ", ".join(f"{key} = {value}" for key, value in fault.parameters.items())
+            until = "" if not np.isfinite(fault.duration) else f" to {fault.start + fault.duration:g}"
+            kind = f"{fault.type}{' (' + values + ')' if values else ''}"
+            rows.append([case.name, case.description, fault.id, fault.target, kind, f"{fault.start:g}{until}"])
+    result.heading("Cases")
+    result.table(["case", "description", "fault", "target", "type", "time, s"], rows)
+
+
+def _failures(result: Page, outcome: Outcome) -> None:
+    failed = [judged for judged in outcome.runs if judged.error is not None]
+    if failed:
+        result.heading("Runs that ended with an error")
+        result.table(
+            ["variant", "case", "seed", "error"],
+            [[j.run.variant, j.run.case.name, str(j.run.seed), j.error] for j in failed],
+        )
+
+
+def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> None:
+    """Pictures of one variant in one case."""
+    runs = [judged for judged in outcome.of(variant, case.name) if judged.error is None]
+    if not runs:
+        return
+    shown = _worst(outcome, variant, case.name) or runs[0]
+    label = f"{variant}, {case.name}"
+    result.heading(label)
+    for signal in _signals(outcome):
+        image = percentiles(outcome, runs, signal, case, label)
+        if image is not None:
+            text = f"{signal} of {len(runs)} runs: median, 5th to 95th percentile, and the greatest."
+            result.picture(image, f"{label}: {signal} over time", text)
+    image = three_sigma(outcome, runs, shown, case, label)
+    if image is not None:
+        result.picture(
+            image, f"{label}: errors against three sigma", "Shown is the worst run; the share counts all runs."
+        )
+    image = ground_track(outcome, shown, variant, label)
+    if image is not None:
+        result.picture(image, f"{label}: ground track", f"Worst run: {command_of(outcome.campaign, shown.run)}")
+
+
+def _signals(outcome: Outcome) -> list[str]:
+    """The signals of requirements that are worth a curve, the error first."""
+    names = [requirement.signal for requirement in outcome.campaign.requirements]
+    found = dict.fromkeys(["evaluation.horizontal_error", *names] if names else names)
+    system = next(iter(outcome.campaign.systems.values()))
+    kept = []
+    for name in found:
+        try:
+            if system.variable(name.removesuffix("@true")).type == "Real":
+                kept.append(name)
+        except NavfmuError:
+            continue
+    return kept
+
+
+def _worst(outcome: Outcome, variant: str, case: str) -> Judged | None:
+    cells = [c for c in outcome.cells if (c.variant, c.case) == (variant, case) and c.worst is not None]
+    return min(cells, key=lambda cell: (cell.passed, cell.held)).worst if cells else None
+
+
+def _runs_section(result: Page, outcome: Outcome) -> None:
+    inner = Page("")
+    rows = []
+    for judged in outcome.runs:
+        verdicts = ", ".join(f"{name} {'holds' if f.held else 'violated'}" for name, f in judged.findings.items())
+        command = command_of(outcome.campaign, judged.run)
+        rows.append([judged.run.variant, judged.run.case.name, str(judged.run.seed), judged.error or verdicts, command])
+    inner.table(["variant", "case", "seed", "findings", "command that repeats it"], rows)
+    result.heading("All runs")
+    result.text("The recordings are in the folder runs/ beside this report, the findings in runs.csv and runs.parquet.")
+    result.folded(f"{len(rows)} runs and their commands", inner)
+
+
+# ---- pictures --------------------------------------------------------------------------------------------------------
+
+
+def percentiles(outcome: Outcome, runs: list[Judged], signal: str, case: Case, label: str) -> bytes | None:
+    """A signal over time in all runs, with the bounds that requirements put on it."""
+    series = [outcome.series(judged, [signal]) for judged in runs]
+    series = [one for one in series if signal in one]
+    if not series:
+        return None
+    time = series[0]["time"]
+    values = np.stack([one[signal].astype(np.float64) for one in series])
+    unit = outcome.campaign.systems[runs[0].run.variant].variable(signal.removesuffix("@true")).unit
+    with figure(size=(9.0, 4.0)) as (drawing, axis):
+        if len(series) > 1:
+            low, middle, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0)
+            axis.fill_between(
+                time, low, high, color=COLOURS[0], alpha=0.25, linewidth=0, label="5th to 95th percentile"
+            )
+            axis.plot(time, middle, color=COLOURS[0], label="median")
+            axis.plot(time, values.max(axis=0), color=COLOURS[0], linewidth=0.7, linestyle=":", label="greatest")
+        else:
+            axis.plot(time, values[0], color=COLOURS[0], label=f"seed {runs[0].run.seed}")
+        for colour, requirement in zip(COLOURS[1:], _bounds(outcome, signal, label), strict=False):
+            for bound in (requirement.most, requirement.least):
+                if bound is not None:
+                    end = min(requirement.end, time[-1])
+                    text = f"{requirement.id}: {bound:g} {requirement.unit}"
+                    axis.plot([requirement.start, end], [bound, bound], "--", color=colour, linewidth=1.2, label=text)
+        _shade(axis, case, time[-1])
+        axis.set_title(f"{label}: {signal}, {len(series)} runs")
+        axis.set_xlabel("time, s")
+        axis.set_ylabel(f"{signal.rpartition('.')[2].replace('_', ' ')}, {unit or '1'}")
+        axis.set_xlim(time[0], time[-1])
+        axis.legend(fontsize=8, loc="upper left")
+        return png(drawing)
+
+
+def _bounds(outcome: Outcome, signal: str, label: str) -> list[Requirement]:
+    variant, _, case = label.partition(", ")
+    return [r for r in outcome.campaign.requirements if r.signal == signal and r.applies(variant, case)]
+
+
+def _shade(axis: Any, case: Case, end: float) -> None:
+    """Grey where a fault is present."""
+    windows = sorted({(fault.start, min(fault.start + fault.duration, end)) for fault in case.faults})
+    for number, (first, last) in enumerate(windows):
+        names = ", ".join(f.id for f in case.faults if (f.start, min(f.start + f.duration, end)) == (first, last))
+        axis.axvspan(first, last, color=GREY, alpha=0.10, linewidth=0, label=f"fault: {names}" if number < 4 else None)
+
+
+def three_sigma(outcome: Outcome, runs: list[Judged], shown: Judged, case: Case, label: str) -> bytes | None:
+    """North and east error of the shown run inside (or outside) three times the filter's own sigma."""
+    pairs = [(f"evaluation.{axis}_error", f"navigator.{axis}_sigma") for axis in ("north", "east")]
+    names = [name for pair in pairs for name in pair]
+    series = outcome.series(shown, [*names, "navigator.mode"])
+    if not all(name in series for name in names):
+        return None
+    counts = {axis: [0, 0] for axis in ("north", "east")}
+    for judged in runs:
+        one = outcome.series(judged, [*names, "navigator.mode"])
+        known = one.get("navigator.mode", np.ones(len(one["time"]))) > 0
+        for axis, (error, sigma) in zip(counts, pairs, strict=True):
+            counts[axis][0] += int(np.count_nonzero((np.abs(one[error]) <= 3 * one[sigma]) & known))
+            counts[axis][1] += int(np.count_nonzero(known))
+    time = series["time"]
+    with figure(2, 1, size=(9.0, 5.0), sharex=True) as (drawing, axes):
+        for axis, name, (error, sigma) in zip(axes, counts, pairs, strict=True):
+            inside, total = counts[name]
+            bound = 3 * series[sigma]
+            axis.fill_between(
+                time, -bound, bound, color=COLOURS[2], alpha=0.2, linewidth=0, label="3 sigma of the filter"
+            )
+            axis.plot(time, series[error], color=COLOURS[1], linewidth=1.0, label=f"{name} error")
+            _shade(axis, case, time[-1])
+            share = 100 * inside / max(total, 1)
+            axis.set_title(
+                f"{label}: {name} error inside 3 sigma for {share:.1f} % of {total} points of {len(runs)} runs"
+            )
+            axis.set_ylabel(f"{name} error, m")
+            axis.legend(fontsize=8, loc="upper left", ncols=3)
+            reach = max(float(np.nanmax(np.abs(series[error]))), float(np.nanquantile(bound, 0.98)), 1.0)
+            axis.set_ylim(-1.15 * reach, 1.35 * reach)
+        axes[1].set_xlabel(f"time, s   (seed {shown.run.seed})")
+        axes[1].set_xlim(time[0], time[-1])
+        return png(drawing)
+
+
+def ground_track(outcome: Outcome, shown: Judged, variant: str, label: str) -> bytes | None:
+    """Truth and estimate over ground, with the stations near them."""
+    series = outcome.series(shown, [*TRUTH, *ESTIMATE, "navigator.mode"])
+    if not all(name in series for name in (*TRUTH, *ESTIMATE)):
+        return None
+    latitude, longitude = series[TRUTH[0]], series[TRUTH[1]]
+    origin = float(latitude.mean()), float(longitude.mean())
+    scale = EARTH / NAUTICAL_MILE
+
+    def local(lat: Any, lon: Any) -> tuple[Any, Any]:
+        return (lon - origin[1]) * np.cos(origin[0]) * scale, (lat - origin[0]) * scale
+
+    with figure(size=(7.0, 6.2)) as (drawing, axis):
+        east, north = local(latitude, longitude)
+        axis.plot(east, north, color="#000000", linewidth=1.4, label="truth")
+        axis.plot(east[0], north[0], "o", color="#000000", markersize=6, label="start")
+        known = series["navigator.mode"] > 0 if "navigator.mode" in series else np.ones(len(east), bool)
+        e, n = local(series[ESTIMATE[0]], series[ESTIMATE[1]])
+        axis.plot(
+            np.where(known, e, np.nan), np.where(known, n, np.nan), color=COLOURS[1], linewidth=1.0, label="estimate"
+        )
+        stations = _stations(outcome.campaign.systems[variant])
+        if stations:
+            x, y = local(*np.array(stations).T)
+            axis.plot(x, y, "^", color=COLOURS[0], markersize=9, label="DME station")
+        axis.set_aspect("equal", adjustable="datalim")
+        axis.set_title(f"{label}: ground track, seed {shown.run.seed}")
+        axis.set_xlabel(f"east of {np.degrees(origin[1]):.3f} deg, n.mi.")
+        axis.set_ylabel(f"north of {np.degrees(origin[0]):.3f} deg, n.mi.")
+        axis.legend(fontsize=8, loc="best")
+        return png(drawing)
+
+
+def _stations(system: Any) -> list[tuple[float, float]]:
+    """Latitude and longitude (rad) of the stations that the component ``dme`` knows."""
+    try:
+        count = int(system.value("dme.station_count"))
+        return [
+            (float(system.value(f"dme.station_latitude[{i}]")), float(system.value(f"dme.station_longitude[{i}]")))
+            for i in range(1, count + 1)
+        ]
+    except NavfmuError:
+        return []
