@@ -252,7 +252,12 @@ class SystemSource:
         units: dict[str, Unit] = {}
         lines = [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            _open("ssd:SystemStructureDescription", version="1.0", name=variant or self.name, **_xmlns("ssc", "ssd")),
+            _open(
+                "ssd:SystemStructureDescription",
+                version="1.0",
+                name=variant or self.name,
+                **_xmlns("osp", "ssc", "ssd"),
+            ),
             "  " + _open("ssd:System", name=self.name, description=special.description or self._base.description),
             "    <ssd:Elements>",
         ]
@@ -412,7 +417,7 @@ def _experiment(stop_time: float | None, step: float | None) -> list[str]:
         "  " + _open("ssd:DefaultExperiment", **attributes),
         "    <ssd:Annotations>",
         '      <ssc:Annotation type="com.opensimulationplatform">',
-        "        " + _open("osp:Algorithm", **_xmlns("osp")),
+        "        <osp:Algorithm>",  # libcosim takes an attribute here for the algorithm's name
         "          " + _open("osp:FixedStepAlgorithm", close=True, baseStepSize=repr(float(step))),
         "        </osp:Algorithm>",
         "      </ssc:Annotation>",

@@ -1,0 +1,56 @@
+"""The flat SSP of the ten connected FMUs in masters that this project did not write: equal to its own Jacobi."""
+
+from __future__ import annotations
+
+import zipfile
+
+import pytest
+
+from navfmu import System
+from system_ssp.backup_navigator.system import COMPONENTS, source
+from tests import built
+from tests.conformance import hosts
+
+STEP, STEPS = 1.0 / 64.0, 64 * 40  # the first GPS fixes, a calibrated wind and two rounds of DME ranges
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    return {name: built.fmu(name, tmp_path_factory) for name in COMPONENTS}
+
+
+@pytest.fixture(scope="module")
+def ssp(fmus, tmp_path_factory):
+    folder = next(iter(fmus.values())).parent
+    return source(folder).pack(tmp_path_factory.mktemp("ssp") / "backup_navigator.ssp")
+
+
+@pytest.fixture(scope="module")
+def expected(ssp, fmus):
+    result = System.load(ssp).run(
+        stop=STEP * STEPS, step=STEP, algorithm="jacobi", record=list(fmus), record_period=STEP
+    )
+    values = {name: {} for name in fmus}
+    for column in result.columns:
+        component, _, variable = column.partition(".")
+        values[component][variable] = float(result[column].iloc[-1])
+    assert values["navigator"]["mode"] > 0 and values["dme"]["ranging.sequence"] > 1
+    return values
+
+
+def test_libcosim_flies_it_with_the_same_numbers(ssp, fmus, expected, tmp_path):
+    with zipfile.ZipFile(ssp) as archive:
+        archive.extractall(tmp_path)
+    assert hosts.libcosim_ssp(tmp_path, fmus, STEP, STEPS) == expected
+
+
+def test_ecos_flies_it_with_the_same_numbers(ssp, fmus, expected):
+    assert hosts.ecos_library_ssp(ssp, fmus, STEP, STEPS) == expected
+
+
+def test_the_program_ecos_flies_it_without_any_python(ssp, fmus, expected, tmp_path):
+    hosts.ecos_library()  # says what is missing
+    values = hosts.ecos_program_run(ssp, STEP, STEPS, tmp_path)
+    for component, variables in expected.items():
+        for name, value in variables.items():
+            assert values[component][name] == pytest.approx(value, abs=0.6e-6), f"{component}.{name}"
