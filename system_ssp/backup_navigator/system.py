@@ -13,6 +13,7 @@ from fmus.grades import GRADES
 from fmus.stations import STATION_SETS
 from navfmu.ssp.writer import SystemSource
 
+HERE = Path(__file__).parent
 COMPONENTS = (
     "wind",
     "aircraft",
@@ -51,6 +52,8 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
     use_stations(system.parameters, "thesis_like")
     system.parameters("imu", GRADES["automotive"])
     add_variants(system)
+    for file in sorted((HERE / "faults").glob("*.toml")):
+        system.attach(f"faults/{file.name}", file)
     return system
 
 
