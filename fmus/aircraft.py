@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 import numpy as np
 
 from fmus.flight_plans import FLIGHT_PLANS
 from models import aircraft, gauss_markov
-from models.flight_plan import GRID, LIMITS, SEGMENTS
+from models.flight_plan import GRID, LIMITS, SEGMENTS, FlightPlan, straight, turn
 from navfmu.export import Component, Input, Output, Parameter, State, every, require, start
 
 _PLAN = FLIGHT_PLANS["livermore"].parameters()
+_EXAMPLE = FlightPlan(
+    _PLAN["initial_latitude"],
+    _PLAN["initial_longitude"],
+    _PLAN["initial_altitude"],
+    0.0,
+    _PLAN["initial_speed"],
+    (
+        straight(20.0, _PLAN["initial_speed"]),
+        turn(np.pi / 3, np.radians(3.0), _PLAN["initial_speed"], -2.5),
+        straight(60.0, _PLAN["initial_speed"]),
+    ),
+)
+"""A right turn with a descent, for the picture in the documentation."""
 
 
 class Aircraft(Component):
@@ -46,6 +61,8 @@ class Aircraft(Component):
     """
 
     name = "aircraft"
+    example: ClassVar[dict[str, Any]] = _EXAMPLE.parameters()
+    example_steps: ClassVar[dict[str, Any]] = {"wind_n": (0.0, 8.0, 0.0)}
 
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
 
@@ -183,8 +200,8 @@ class Aircraft(Component):
         return np.all(np.logical_or(self.segment_duration <= 0.0, self.segment_speed >= 5.0))
 
     @require(
-        "a segment of the flight plan is shorter than the transition to its values: raise "
-        "its segment_duration, roll_rate_limit {roll_rate_limit} rad/s, acceleration_limit {acceleration_limit} m/s2 or "
+        "a segment of the flight plan is shorter than the transition to its values: raise its "
+        "segment_duration, roll_rate_limit {roll_rate_limit} rad/s, acceleration_limit {acceleration_limit} m/s2 or "
         "vertical_acceleration_limit {vertical_acceleration_limit} m/s2"
     )
     def transitions_fit(self):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 import numpy as np
 
 from models import attitude, magnetic_field, magnetometer
@@ -28,6 +30,8 @@ class Magnetometer(Component):
     """
 
     name = "magnetometer"
+    example: ClassVar[dict[str, Any]] = {"latitude": 0.6581, "longitude": -2.1262, "altitude": 1500.0, "heading": 1.0}
+    example_steps: ClassVar[dict[str, Any]] = {"heading": 0.5}
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")
