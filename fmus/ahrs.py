@@ -177,7 +177,8 @@ class Ahrs(Component):
             self.turned, self.period, force, earth.STANDARD_GRAVITY, self.yaw_rate_limit, self.force_limit
         )
         use_force = quiet & felt
-        new_field = self.field.valid & (self.field.sequence != self.field_seen)
+        due = self.field.time_of_validity <= self.time + 1.0e-6
+        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
         level_roll, level_pitch = ahrs.level(force)
         strength = np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
         direction = self.field.field_b / strength

@@ -20,8 +20,8 @@ class Navigator(Component):
         d(latitude)/dt = (V cos(heading) + V_NS) / (R_NS + h)                                (6.22)
         d(longitude)/dt = (V sin(heading) + V_EW) / ((R_EW + h) cos(latitude))               (6.23)
 
-    every `update_period`, with true airspeed and heading carried forward from their time of validity by the yaw rate,
-    and h positive up. An extended Kalman filter with the states (6.54), errors of north and east position and of north
+    every `update_period`, with heading carried from its time of validity to now by the yaw rate (at most 1 s), and h
+    positive up. An extended Kalman filter with the states (6.54), errors of north and east position and of north
     and east wind, is corrected in two phases:
 
     - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and wind (GPS velocity minus air velocity).
@@ -148,10 +148,10 @@ class Navigator(Component):
     airspeed_time = Parameter("s", start=400.0, min=1.0, description="its correlation time (thesis (3.32))")
     position_walk = Parameter(
         "m",
-        start=10.0,
+        start=5.0,
         min=0.0,
         description="random walk of position in one second, for the deleted errors that turn with the aircraft "
-        "(own choice: in a turn at 1.5 to 3 deg/s they move it by 90 to 180 m, which is the walk of 100 to 300 s)",
+        "(own choice: in a turn at 1.5 to 3 deg/s they move it by 90 to 180 m, which this does in 5 to 20 minutes)",
     )
     fix_sigma = Parameter(
         "m",
@@ -239,7 +239,7 @@ class Navigator(Component):
     def dead_reckon(self):
         step = self.period
         seen = np.logical_and(self.attitude.valid, self.air.valid)
-        age = np.clip(self.time - self.attitude.time_of_validity, 0.0, 0.5)
+        age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
         heading = self.attitude.heading + self.attitude.yaw_rate * age
         now = np.where(seen, navigator.air_velocity(self.air.true_airspeed, heading), self.air_velocity)
         before = np.where(self.had_air, self.air_velocity, now)
