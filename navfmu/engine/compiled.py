@@ -118,12 +118,24 @@ def _load(path: Path, what: str) -> CDLL:
         raise NavfmuError(f"{what} {path} cannot be loaded: {error}") from None
 
 
+@cache
+def fmi2(path: Path) -> Fmi2:
+    """The functions of an FMU's library, which stays loaded."""
+    return Fmi2(path)
+
+
+@cache
+def resource_uri(directory: Path) -> str:
+    """Where an unpacked FMU has its resources."""
+    return (directory.resolve() / "resources").as_uri()
+
+
 class Fmi2:
     """The functions of one FMU's library, with their C types."""
 
-    def __init__(self, path: Path, component: str) -> None:
-        self.library = _load(path, f"component '{component}': the binary")
-        self.component = component
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.library = _load(path, "the binary")
         texts = [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
         self.instantiate = self._function("fmi2Instantiate", *texts, result=c_void_p)
         self.free_instance = self._function("fmi2FreeInstance", c_void_p, result=None)
@@ -137,18 +149,15 @@ class Fmi2:
         self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
         self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
         self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
+        self.addresses = {name: ctypes.cast(self._function(name), c_void_p).value for name in FUNCTIONS}  # for the loop
 
     def _function(self, name: str, *arguments: Any, result: Any = c_int) -> Any:
         try:
             function = self.library[name]  # a new object each time, so that types set here stay here
         except AttributeError:
-            raise NavfmuError(f"component '{self.component}': its binary has no function {name}") from None
+            raise NavfmuError(f"the binary {self.path} has no function {name}") from None
         function.argtypes, function.restype = arguments, result
         return function
-
-    def address(self, name: str) -> int | None:
-        """The function pointer for the C loop."""
-        return ctypes.cast(self._function(name), c_void_p).value
 
 
 @dataclass
@@ -304,7 +313,7 @@ class Compiled:
         self._kept.append(array)
         if changes:
             self._memory.append(array)
-        return array.ctypes.data
+        return array.__array_interface__["data"][0]  # array.ctypes.data, but quicker
 
     def _make_master(self) -> _Master:
         plan, count = self.plan, len(self.plan.signals)
@@ -346,10 +355,13 @@ class Compiled:
         )
 
     def _fill(self, to: _Component, part: Part) -> None:
-        fmu = Fmi2(part.component.library, part.component.name)
+        try:
+            fmu = fmi2(part.component.library)
+        except NavfmuError as error:
+            raise NavfmuError(f"component '{part.component.name}': {error}") from None
         self._fmus.append(fmu)
-        for name in FUNCTIONS:
-            setattr(to, name, fmu.address(name))
+        for name, address in fmu.addresses.items():
+            setattr(to, name, address)
         to.never_back = int(not part.component.restores)
         to.smooth, to.real, to.integer, to.boolean = map(
             self._inputs, (part.smooth, part.real, part.integer, part.boolean)
@@ -382,8 +394,8 @@ class Compiled:
         component, fmu = part.component, self._fmus[number]
         log, callbacks = self._logs[number], self._callbacks[number]
         self._library.prepare_callbacks(byref(callbacks), byref(log))
-        resources = (component.directory.resolve() / "resources").as_uri()
-        texts = (component.name.encode(), 1, component.guid.encode(), resources.encode())  # 1: co-simulation
+        resources = resource_uri(component.directory).encode()
+        texts = (component.name.encode(), 1, component.guid.encode(), resources)  # 1: co-simulation
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         if not instance:
             said = text(log.error) or text(log.warning) or "it gave no reason"

@@ -24,8 +24,9 @@ What happens at the communication points t_k (``Clock.time``):
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,6 @@ from navfmu.faults.effect import EFFECT, Effect, effects_of, table
 from navfmu.faults.fault import Fault, is_number
 
 if TYPE_CHECKING:
-    from navfmu import fmu
     from navfmu.fmu import Fmu
 
 TYPES = ("Real", "Integer", "Boolean")
@@ -63,12 +63,6 @@ class Variable:
     unit: str | None = None
     min: float | None = None
     max: float | None = None
-
-    @classmethod
-    def of(cls, described: fmu.Variable) -> Variable:
-        """The variable of a model description."""
-        values = {field.name: getattr(described, field.name) for field in fields(cls)}
-        return cls(**values | {"type": "Integer" if described.type == "Enumeration" else described.type})
 
 
 @dataclass(frozen=True)
@@ -96,7 +90,7 @@ class Component:
             library=fmu.library,
             identifier=about.model_identifier,
             guid=about.guid,
-            variables={v.name: Variable.of(v) for v in about.variables},
+            variables={v.name: _counted(v) for v in about.variables},
             start=dict(start or {}),
             interpolates=about.can_interpolate_inputs,
             restores=about.can_get_and_set_state,
@@ -112,6 +106,11 @@ class Component:
     def with_causality(self, causality: str) -> list[Variable]:
         """The variables of one causality."""
         return [v for v in self.variables.values() if v.causality == causality]
+
+
+def _counted(variable: Any) -> Any:
+    """A variable of a model description, which has the attributes of ``Variable``; enumerations become Integer."""
+    return replace(variable, type="Integer") if variable.type == "Enumeration" else variable
 
 
 @dataclass(frozen=True)
@@ -145,11 +144,7 @@ class Inputs:
     source: np.ndarray  # int32, signals
     factor: np.ndarray  # float64
     offset: np.ndarray  # float64
-
-    @property
-    def scaled(self) -> bool:
-        """True if any of them is not a plain copy."""
-        return bool(np.any(self.factor != 1.0) or np.any(self.offset != 0.0))
+    scaled: bool  # whether any of them is not a plain copy
 
 
 @dataclass(frozen=True)
@@ -349,7 +344,7 @@ def _link(connection: Connection, by_name: Mapping[str, Component]) -> _Link:
         raise NavfmuError(f"{where}: a {kinds[0]} cannot be connected to a {kinds[1]}")
     if (connection.factor, connection.offset) != (1.0, 0.0) and kinds[1] != "Real":
         raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
-    if not np.isfinite([connection.factor, connection.offset]).all():
+    if not (math.isfinite(connection.factor) and math.isfinite(connection.offset)):
         raise NavfmuError(f"{where}: factor {connection.factor!r} and offset {connection.offset!r} must be finite")
     return source, target, connection
 
@@ -400,6 +395,7 @@ def _inputs(rows: list[tuple[Variable, int, float, float]]) -> Inputs:
         np.array([source for _, source, _, _ in rows], np.int32),
         np.array([factor for _, _, factor, _ in rows], np.float64),
         np.array([offset for _, _, _, offset in rows], np.float64),
+        any((factor, offset) != (1.0, 0.0) for _, _, factor, offset in rows),
     )
 
 
