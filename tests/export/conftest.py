@@ -1,0 +1,16 @@
+"""The small components as unzipped native FMUs, built once."""
+
+import pytest
+
+from navfmu.export.build import build
+
+from .components import Listener, Sensor, Source, TwoRates
+from .slave import Unzipped
+
+
+@pytest.fixture(scope="session")
+def unzipped(tmp_path_factory):
+    """Name -> native FMU."""
+    folder = tmp_path_factory.mktemp("small")
+    paths = build([Sensor, Listener, Source, TwoRates], folder)
+    return {path.stem: Unzipped(path, folder / path.stem) for path in paths}

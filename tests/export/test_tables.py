@@ -1,0 +1,113 @@
+"""Tables in resources: found whatever the host calls the folder, refused with file and line when they are wrong."""
+
+import shutil
+
+import pytest
+
+from .slave import OK, Slave, Unzipped
+
+TABLE = "time (s),x (m)\n0.0,0.0\n1.0,2.0\n3.0,0.0\n"
+
+
+@pytest.fixture
+def source(unzipped, tmp_path):
+    """A copy of the FMU in a folder whose name needs care in a URI."""
+    folder = tmp_path / "with space é 100%"
+    shutil.copytree(unzipped["source"].folder, folder)
+    copy = Unzipped.__new__(Unzipped)
+    copy.__dict__.update(unzipped["source"].__dict__, folder=folder)
+    return copy
+
+
+def x_at_one(fmu, resources=None):
+    slave = Slave(fmu, resources=resources)
+    if not slave.component:
+        return slave.said
+    slave.initialise()
+    slave.step(0.0, 1.0)
+    value = slave.get("x")
+    slave.free()
+    return value
+
+
+def test_the_table_has_a_header_with_units_and_numbers_that_read_back(unzipped):
+    assert (unzipped["source"].folder / "resources" / "track.csv").read_text() == TABLE
+
+
+@pytest.mark.parametrize("form", ["file://{}", "file:{}", "file://localhost{}", "FILE://{}", "file://{}/"])
+def test_the_resource_location_may_be_written_in_several_ways(source, form):
+    path = (source.folder / "resources").as_uri().removeprefix("file://")
+    assert "%20" in path and "%25" in path
+    assert x_at_one(source, form.format(path)) == 2.5
+
+
+def test_a_plain_path_is_taken_as_it_is(source):
+    assert x_at_one(source, str(source.folder / "resources")) == 2.5
+
+
+def test_a_missing_location_or_file_is_told(source):
+    assert x_at_one(source, "file:///nowhere/%41") == "The table /nowhere/A/track.csv cannot be read."
+    none = "No fmuResourceLocation was given, but this FMU reads the table resources/track.csv."
+    assert x_at_one(source, "") == none
+    (source.folder / "resources" / "track.csv").unlink()
+    assert x_at_one(source).endswith("/resources/track.csv cannot be read.")
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("time (s),y (m)\n0,0\n1,1\n", "does not start with the line 'time (s),x (m)'."),
+        ("", "does not start with the line 'time (s),x (m)'."),
+        ("time (s),x (m)\n0,0\n", "has 1 rows; expected at least 2."),
+        ("time (s),x (m)\n0,0\n1\n", "Line 3 of the table"),
+        ("time (s),x (m)\n0,0\n1,x\n", "is not 2 numbers separated by commas."),
+        ("time (s),x (m)\n0,0\n1,\n2,3\n", "Line 3 of the table"),
+        ("time (s),x (m)\n0,0\n1,2,3\n", "has more than 2 numbers."),
+        ("time (s),x (m)\n0,0\n1,nan\n", "is not 2 numbers separated by commas."),
+        ("time (s),x (m)\n0,0\n1,1\n1,2\n", "its first number, 1, is not greater than the one before."),
+    ],
+)
+def test_a_wrong_table_is_refused_with_file_and_line(source, text, sentence):
+    (source.folder / "resources" / "track.csv").write_text(text)
+    said = x_at_one(source)
+    assert sentence in said
+    assert "track.csv" in said
+    assert "100%%25" not in said and "100%%" in said  # a percent sign is doubled for hosts that print like printf
+
+
+def test_other_line_ends_empty_lines_and_notations_are_read(source):
+    text = "time (s),x (m)\r\n0,0\r\n\r\n1E0, +2.0\r\n3,0"
+    (source.folder / "resources" / "track.csv").write_bytes(text.encode())
+    assert x_at_one(source) == 2.5
+
+
+def test_numbers_are_read_whatever_the_hosts_locale_is(source):
+    import locale
+
+    before = locale.setlocale(locale.LC_NUMERIC)
+    for name in ("de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"):
+        try:
+            locale.setlocale(locale.LC_NUMERIC, name)
+            break
+        except locale.Error:
+            continue
+    else:
+        pytest.skip("no locale with a decimal comma is installed")
+    try:
+        assert x_at_one(source) == 2.5
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, before)
+
+
+def test_a_long_table_is_read_and_searched_in_both_directions(source):
+    rows = [f"{k * 0.001!r},{k * 0.5!r}" for k in range(50000)]
+    (source.folder / "resources" / "track.csv").write_text("time (s),x (m)\n" + "\n".join(rows) + "\n")
+    slave = Slave(source)
+    slave.initialise()
+    state = slave.save()
+    assert slave.step(0.0, 40.0) == OK
+    assert slave.get("x") == pytest.approx(20000.5)
+    slave.call("SetFMUstate", state)
+    assert slave.step(0.0, 1.0) == OK
+    assert slave.get("x") == pytest.approx(500.5)
+    slave.free()
