@@ -165,6 +165,11 @@ def test_blocked_static_port_freezes_the_altitude_and_spoils_the_airspeed():
     assert (level, frozen) == (before, altitude)
     low, frozen = fly(run, 0.2, 1050.0, 50.0)
     assert low < before - 4.0 and frozen == altitude
+    # the true airspeed, too, is reckoned with the trapped pressure
+    impact = (1.0 + (low / 340.294) ** 2 / 5.0) ** 3.5 - 1.0
+    trapped = 1.0 + impact * 101325.0 / atmosphere.pressure(atmosphere.geopotential(1000.0))
+    sound = np.sqrt(1.4 * 287.05287 * run.get("air.temperature"))
+    assert run.get("air.true_airspeed") == pytest.approx(sound * np.sqrt(5.0 * (trapped ** (2 / 7) - 1.0)), rel=1e-5)
     high, frozen = fly(run, 0.3, 950.0, 50.0)
     assert high > before + 4.0 and frozen == altitude
     run.set("static_blocked", False)
