@@ -9,7 +9,7 @@ from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.fmu import Description, Variable
-from navfmu.units import conversion
+from navfmu.units import COMMON, conversion
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
 _TRUE, _FALSE = {"true", "1", "yes", "on"}, {"false", "0", "no", "off"}
@@ -172,8 +172,9 @@ def _in_own_unit(description: Description, variable: Variable, number: float, un
     if unit in display:
         factor, offset = display[unit]
         return (number - offset) / factor
-    if unit in description.units and variable.unit in description.units:
-        factor, offset = conversion(description.units[unit], description.units[variable.unit], what)
+    own, given = description.units.get(variable.unit or ""), description.units.get(unit) or COMMON.get(unit)
+    if own is not None and own.exponents is not None and given is not None:
+        factor, offset = conversion(given, own, what)
         return factor * number + offset
     known = [name for name in (variable.unit, *display) if name]
     raise NavfmuError(f"{what}: unit '{unit}' is not known here; expected {' or '.join(known) if known else 'no unit'}")

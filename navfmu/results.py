@@ -59,7 +59,7 @@ def read(path: str | Path) -> pandas.DataFrame:
     path = Path(path)
     try:
         if path.suffix.lower() == ".csv":
-            frame = pandas.read_csv(path, index_col="time", float_precision="round_trip")
+            frame = pandas.read_csv(path, index_col="time")
             side = path.with_name(path.name + ".json")
             about = json.loads(side.read_text(encoding="utf-8")) if side.is_file() else {}
         else:

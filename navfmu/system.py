@@ -57,7 +57,7 @@ class System:
     @classmethod
     def of(cls, structure: Structure, variant: str | None = None) -> System:
         """Open the FMUs of a structure and check that everything in it fits them."""
-        fmus = {name: load(component.source) for name, component in structure.components.items()}
+        fmus = {name: _open(component, structure) for name, component in structure.components.items()}
         for name, component in structure.components.items():
             _check_connectors(component, fmus[name])
         values = {
@@ -286,6 +286,18 @@ class System:
                         f"{self.structure.file}: input '{name}.{variable.name}' is not connected and has no start "
                         "value; connect it or give it one in a parameter set"
                     )
+
+
+def _open(component: Component, structure: Structure) -> Fmu:
+    """Load a component's FMU; messages about a packed one name the package and not the folder it was unpacked to."""
+    try:
+        return load(component.source)
+    except NavfmuError as error:
+        folder = structure.file.parent
+        if structure.origin in (folder, structure.file) or not component.source.is_relative_to(folder.resolve()):
+            raise
+        inside = component.source.relative_to(folder.resolve()).as_posix()
+        raise NavfmuError(str(error).replace(str(component.source), f"{structure.origin}: {inside}")) from None
 
 
 def as_frame(recording: Recording) -> pandas.DataFrame:

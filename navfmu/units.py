@@ -22,6 +22,40 @@ class Unit:
     offset: float = 0.0
 
 
+def _unit(name: str, factor: float = 1.0, offset: float = 0.0, **powers: int) -> Unit:
+    return Unit(name, tuple(powers.get(base, 0) for base in BASE), factor, offset)
+
+
+_DEGREE = 0.017453292519943295  # rad
+COMMON = {  # units that people write in parameters and limits, whether or not the FMU defines them
+    unit.name: unit
+    for unit in (
+        _unit("%", 0.01),
+        _unit("ppm", 1e-6),
+        _unit("ms", 1e-3, s=1),
+        _unit("min", 60.0, s=1),
+        _unit("h", 3600.0, s=1),
+        _unit("mm", 1e-3, m=1),
+        _unit("km", 1e3, m=1),
+        _unit("ft", 0.3048, m=1),
+        _unit("nmi", 1852.0, m=1),
+        _unit("kn", 1852.0 / 3600.0, m=1, s=-1),
+        _unit("km/h", 1.0 / 3.6, m=1, s=-1),
+        _unit("ft/min", 0.3048 / 60.0, m=1, s=-1),
+        _unit("g", 9.80665, m=1, s=-2),
+        _unit("mg", 9.80665e-3, m=1, s=-2),
+        _unit("deg", _DEGREE, rad=1),
+        _unit("deg/s", _DEGREE, rad=1, s=-1),
+        _unit("deg/h", _DEGREE / 3600.0, rad=1, s=-1),
+        _unit("hPa", 100.0, kg=1, m=-1, s=-2),
+        _unit("uT", 1e-6, kg=1, s=-2, A=-1),
+        _unit("nT", 1e-9, kg=1, s=-2, A=-1),
+        _unit("mG", 1e-7, kg=1, s=-2, A=-1),
+        _unit("degC", 1.0, 273.15, K=1),
+    )
+}
+
+
 def conversion(source: Unit | None, target: Unit | None, where: str) -> tuple[float, float]:
     """Factor and offset that turn a value in ``source`` into ``target``: ``y = factor * x + offset``.
 

@@ -29,6 +29,7 @@ from typing import Any
 
 from navfmu import shipped
 from navfmu.campaign.requirement import MAIN, Requirement
+from navfmu.engine.clock import Clock
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
 from navfmu.parameters import quantity
@@ -176,6 +177,7 @@ class _File:
         for key, value in (("stop", stop), ("step", step)):
             if value is None:
                 raise NavfmuError(f"{self.path}: has no '{key}', and the system suggests none")
+        self.clock(step, stop)
         chosen = content.get("seeds", [1])
         numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds else None
         cases = self.cases(main)
@@ -197,6 +199,12 @@ class _File:
         )
         self.dry_run(campaign)
         return campaign
+
+    def clock(self, step: float, stop: float) -> None:
+        try:
+            Clock.of(step, stop)
+        except NavfmuError as error:
+            raise self.error(str(error), "stop" if "stop" in self.content else "step") from None
 
     def system(self, name: str) -> Path:
         beside = self.path.parent / name

@@ -135,7 +135,7 @@ def run_campaign(
             f"interrupted: {kept} of {len(runs)} runs are finished and kept in {folder}; the same command continues"
         ) from None
     outcome = evaluate(campaign, runs, folder)
-    write_report(outcome, folder)
+    write_report(outcome, folder, None if progress is None else lambda n, of: progress(n, of, "drawing the report"))
     return outcome
 
 

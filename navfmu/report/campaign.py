@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,15 @@ from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
 from navfmu.report.provenance import section
 
+Note = Callable[[int, int], None]  # sections drawn, sections to draw
 TRUTH = ("aircraft.latitude", "aircraft.longitude")
 ESTIMATE = ("navigator.solution.latitude", "navigator.solution.longitude")
 NAUTICAL_MILE = 1852.0
 EARTH = 6_371_000.0  # m, for pictures only
+PICTURED = 12  # cells of the matrix with pictures; the tables have all of them
 
 
-def write_report(outcome: Outcome, folder: Path) -> Path:
+def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Path:
     """Write ``runs.csv``, ``runs.parquet``, ``verdicts.csv``, ``campaign.json`` and ``report.html``."""
     about = provenance(outcome)
     rows = outcome.table()
@@ -34,7 +37,7 @@ def write_report(outcome: Outcome, folder: Path) -> Path:
     _write_parquet(rows, folder / "runs.parquet", about)
     write_file(folder / "verdicts.csv", _csv(_verdicts(outcome)))
     write_file(folder / "campaign.json", json.dumps(about, indent=2) + "\n")
-    return write_file(folder / "report.html", page(outcome, about).html())
+    return write_file(folder / "report.html", page(outcome, about, note).html())
 
 
 def provenance(outcome: Outcome) -> dict[str, Any]:
@@ -96,7 +99,21 @@ def _write_parquet(rows: list[dict[str, Any]], path: Path, about: dict[str, Any]
 # ---- the page --------------------------------------------------------------------------------------------------------
 
 
-def page(outcome: Outcome, about: dict[str, Any]) -> Page:
+def pictured(outcome: Outcome) -> list[tuple[str, Case]]:
+    """The cells that get pictures: every variant in the first case, then the worst ones, in the order of the file."""
+    campaign = outcome.campaign
+    every = [(variant, case) for case in campaign.cases for variant in campaign.systems]
+
+    def badness(pair: tuple[str, Case]) -> float:
+        cells = [c for c in outcome.cells if (c.variant, c.case) == (pair[0], pair[1].name)]
+        return sum((not c.passed) + (1.0 - c.held / max(c.total, 1)) for c in cells)
+
+    first = len(campaign.systems)
+    chosen = every[:first] + sorted(every[first:], key=badness, reverse=True)
+    return [pair for pair in every if pair in chosen[:PICTURED]]
+
+
+def page(outcome: Outcome, about: dict[str, Any], note: Note | None = None) -> Page:
     """The whole report."""
     campaign = outcome.campaign
     sizes = f"{len(campaign.systems)} variants x {len(campaign.cases)} cases x {len(campaign.seeds)} seeds"
@@ -108,9 +125,15 @@ def page(outcome: Outcome, about: dict[str, Any]) -> Page:
     _verdict_section(result, outcome)
     _case_section(result, outcome)
     _failures(result, outcome)
-    for variant in campaign.systems:
-        for case in campaign.cases:
-            _cell_section(result, outcome, variant, case)
+    chosen, count = pictured(outcome), len(campaign.systems) * len(campaign.cases)
+    if count > len(chosen):
+        result.text(
+            f"Pictures follow for {len(chosen)} of {count} combinations: those of the first case, then the worst."
+        )
+    for number, (variant, case) in enumerate(chosen):
+        if note is not None:
+            note(number, len(chosen))
+        _cell_section(result, outcome, variant, case)
     _runs_section(result, outcome)
     section(result, about)
     return result
@@ -259,7 +282,7 @@ def percentiles(outcome: Outcome, runs: list[Judged], signal: str, case: Case, l
     time = series[0]["time"]
     values = np.stack([one[signal].astype(np.float64) for one in series])
     unit = outcome.campaign.systems[runs[0].run.variant].variable(signal.removesuffix("@true")).unit
-    with figure(size=(9.0, 4.0)) as (drawing, axis):
+    with figure(size=(9.0, 4.2), below=0.45) as (drawing, axis):
         if len(series) > 1:
             low, middle, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0)
             axis.fill_between(
@@ -280,7 +303,7 @@ def percentiles(outcome: Outcome, runs: list[Judged], signal: str, case: Case, l
         axis.set_xlabel("time, s")
         axis.set_ylabel(f"{signal.rpartition('.')[2].replace('_', ' ')}, {unit or '1'}")
         axis.set_xlim(time[0], time[-1])
-        axis.legend(fontsize=8, loc="upper left")
+        axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
         return png(drawing)
 
 

@@ -1,0 +1,283 @@
+"""Campaigns: verdicts against hand-made findings, jobs, resuming, runs that fail, and mistakes in the file."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from click.testing import CliRunner
+
+from navfmu import System
+from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.requirement import Requirement, judge, wilson
+from navfmu.cli import main
+from navfmu.errors import NavfmuError
+from tests.components import systems
+
+CAMPAIGN = """
+name = "tracker"
+system = "{system}"
+variants = ["main", "slow"]
+seeds = "1-3"
+
+[[case]]
+name = "nominal"
+
+[[case]]
+name = "stuck"
+faults = "stuck"
+
+[[requirement]]
+id = "R-1"
+signal = "estimator.solution.length"
+at_most = "8 m"
+percent = 90
+from = 2.0
+
+[[requirement]]
+id = "R-2"
+signal = "estimator.solution.length"
+at_most = 9.5
+at_least = -9.5
+quantile = 0.9
+variants = ["slow"]
+"""
+
+
+def write(folder: Path, text: str = CAMPAIGN) -> Path:
+    file = folder / "campaign.toml"
+    file.write_text(text.format(system=systems.tracker()) if "{system}" in text else text)
+    return file
+
+
+def copy(folder: Path, to: Path) -> Path:
+    return Path(shutil.copytree(folder, to / "copy"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_pictures():
+    """Drawing takes longer than flying here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("navfmu.report.campaign.PICTURED", 1)
+        yield
+
+
+@pytest.fixture(scope="module")
+def done(few_pictures, tmp_path_factory) -> tuple[Path, Path]:
+    """A campaign file and the folder of its results, made by two jobs."""
+    folder = tmp_path_factory.mktemp("campaign")
+    file = write(folder)
+    run_campaign(load_campaign(file), folder / "out", jobs=2)
+    return file, folder / "out"
+
+
+def test_one_job_and_two_write_the_same_bytes(done, tmp_path):
+    file, folder = done
+    run_campaign(load_campaign(file), tmp_path / "one", jobs=1)
+    assert contents(tmp_path / "one") == contents(folder)
+
+
+def test_findings_are_those_of_the_runs(done):
+    rows = pandas.read_csv(done[1] / "runs.csv").query("requirement == 'R-1'").set_index(["variant", "case", "seed"])
+    assert len(rows) == 12
+    frame = System.load(systems.tracker(), "slow").run(
+        stop=20.0, step=0.1, seed=2, faults="stuck", record=["estimator.solution.length"]
+    )
+    values = frame["estimator.solution.length"][2.0:]
+    row = rows.loc[("slow", "stuck", 2)]
+    assert row.percent == pytest.approx(100 * (values <= 8.0).mean())
+    assert row.worst == values.max() and row.worst_time == values.idxmax()
+    assert row.held == (row.percent >= 90)
+
+
+def test_a_second_time_runs_nothing(done, monkeypatch):
+    file, folder = done
+    monkeypatch.setattr(System, "execute", lambda *a, **k: pytest.fail("ran again"))
+    before = contents(folder)
+    run_campaign(load_campaign(file), folder)
+    assert contents(folder) == before
+
+
+def test_other_requirements_judge_the_same_recordings_anew(done, monkeypatch, tmp_path):
+    file, folder = done[0], copy(done[1], tmp_path)
+    monkeypatch.setattr(System, "execute", lambda *a, **k: pytest.fail("ran again"))
+    text = file.read_text().replace("at_most = 9.5", "at_most = 0.5").replace("percent = 90", "percent = 100")
+    outcome = run_campaign(load_campaign(write(tmp_path, text)), folder)
+    assert not outcome.passed
+    cell = next(c for c in outcome.cells if c.requirement.id == "R-2" and c.case == "nominal")
+    assert not cell.passed and "90th percentile of 3 runs" in cell.sentence
+
+
+def test_an_interrupted_campaign_goes_on_where_it_stopped(done, tmp_path):
+    file, folder = done
+    outcome_folder = tmp_path / "out"
+    made: list[int] = []
+
+    def interrupt(done: int, total: int, note: str = "") -> None:
+        made.append(done)
+        if len(list((outcome_folder / "runs").glob("*.parquet"))) >= 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(NavfmuError, match=r"interrupted: [0-9]+ of 12 runs are finished"):
+        run_campaign(load_campaign(file), outcome_folder, 1, interrupt)
+    kept = {p.name: p.stat().st_mtime_ns for p in (outcome_folder / "runs").iterdir()}
+    assert 3 <= len(kept) < 12
+    run_campaign(load_campaign(file), outcome_folder, 1)
+    assert {n: p.stat().st_mtime_ns for p in (outcome_folder / "runs").iterdir() if (n := p.name) in kept} == kept
+    assert contents(outcome_folder) == contents(folder)
+
+
+def test_a_changed_fault_runs_only_what_depends_on_it(done, tmp_path):
+    file, folder = done[0], copy(done[1], tmp_path)
+    faults = tmp_path / "stuck2.toml"
+    faults.write_text(
+        '[[fault]]\nid = "F1"\ntarget = "sensor.reading.length"\ntype = "stuck"\nvalue = 4.0\nstart = 5.0\n'
+    )
+    text = file.read_text().replace('faults = "stuck"', 'faults = "stuck2.toml"')
+    before = set((folder / "runs").iterdir())
+    run_campaign(load_campaign(write(tmp_path, text)), folder)
+    assert len(set((folder / "runs").iterdir()) - before) == 6
+
+
+def test_a_run_that_fails_is_a_row_and_not_the_end(tmp_path):
+    text = CAMPAIGN.format(system=systems.tracker())
+    text += '\n[[case]]\nname = "broken"\nparameters = { "lag.tau" = 0.02, "lag.sample_period" = 0.02 }\n'
+    campaign = load_campaign(write(tmp_path, text))
+    from navfmu.engine.recording import RunError
+
+    execute = System.execute
+
+    def failing(self, plan, seed, parameters, *rest, **more):
+        if parameters and seed == 2:
+            raise RunError("component 'lag': it broke (fmi2DoStep returned Error at t = 3 s)")
+        return execute(self, plan, seed, parameters, *rest, **more)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(System, "execute", failing)
+        outcome = run_campaign(campaign, tmp_path / "out", 2)
+    errors = [judged for judged in outcome.runs if judged.error]
+    assert [(j.run.variant, j.run.case.name, j.run.seed) for j in errors] == [
+        ("main", "broken", 2),
+        ("slow", "broken", 2),
+    ]
+    assert not outcome.passed and sum(c.total for c in outcome.cells) == 3 * len(outcome.cells)
+    cell = next(c for c in outcome.cells if c.case == "broken" and c.requirement.id == "R-1")
+    assert cell.held <= 2 and "1 runs ended with an error" in cell.sentence
+    assert "it broke" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_the_report_stands_alone_and_says_how_to_repeat_every_run(done):
+    text = (done[1] / "report.html").read_text()
+    assert text.count("data:image/png;base64") == 1 and "src=" in text and "http" not in text.split("<body>")[0]
+    for word in ("R-1", "VIOLATED", "--seed 3", "--variant slow", "95 % interval", "holds"):
+        assert word in text
+    about = json.loads((done[1] / "campaign.json").read_text())
+    assert about["seeds"] == [1, 2, 3] and set(about["digests"]) == {"main", "slow"}
+
+
+def test_the_command_prints_verdicts_and_can_be_strict(done):
+    file, folder = done
+    runner = CliRunner()
+    result = runner.invoke(main, ["campaign", str(file), "--out", str(folder)])
+    assert result.exit_code == 0 and "VIOLATED" in result.output and "report.html" in result.output
+    assert runner.invoke(main, ["campaign", str(file), "--out", str(folder), "--strict"]).exit_code == 1
+
+
+def requirement(**given) -> Requirement:
+    values = {
+        "id": "R", "signal": "a.b", "most": None, "least": None, "unit": "m", "percent": 100.0, "quantile": None,
+        "runs": 100.0, "start": 0.0, "end": np.inf,
+    }  # fmt: skip
+    return Requirement(**values | given)
+
+
+TIME = np.arange(11.0)
+VALUES = np.array([0.0, 1, 2, 3, 4, 5, 4, 3, 2, 1, 0])
+
+
+def test_a_requirement_is_judged_by_the_share_of_time_in_its_window():
+    finding = judge(requirement(most=3.0, percent=70.0), TIME, VALUES)
+    assert finding.held and finding.percent == pytest.approx(100 * 8 / 11)
+    assert (finding.worst, finding.worst_time, finding.first_violation) == (5.0, 5.0, 4.0)
+    assert not judge(requirement(most=3.0, percent=75.0), TIME, VALUES).held
+    assert judge(requirement(most=3.0, start=7.0), TIME, VALUES).held
+    assert judge(requirement(most=3.0, start=7.0), TIME, VALUES).first_violation is None
+    assert judge(requirement(most=9.0, start=11.5), TIME, VALUES) is None
+
+
+def test_a_lower_bound_and_a_missing_number_count():
+    finding = judge(requirement(least=1.0), TIME, VALUES)
+    assert not finding.held and finding.percent == pytest.approx(100 * 9 / 11) and finding.worst == 0.0
+    values = VALUES.copy()
+    values[3] = np.nan
+    finding = judge(requirement(most=10.0), TIME, values)
+    assert not finding.held and finding.worst_time == 3.0
+
+
+def test_a_share_has_its_confidence_interval():
+    low, high = wilson(8, 10)
+    assert (low, high) == pytest.approx((49.0, 94.3), abs=0.1)
+    assert wilson(0, 0) == (0.0, 100.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("[[case]]", "[[case]"), "line 7, column"),
+        (('name = "tracker"', 'nmae = "tracker"'), "line 2: unknown entry 'nmae'; did you mean 'name'"),
+        (('seeds = "1-3"', 'seeds = "1-x"'), "line 5: '1-x' is not a seed"),
+        (('seeds = "1-3"', "seeds = [1, 1]"), "line 5: a seed is given twice"),
+        (('seeds = "1-3"', "seeds = 3"), "line 5: 'seeds' is 3, expected a text or a list"),
+        (('seeds = "1-3"', 'stop = "long"'), "line 5: 'stop' is 'long', expected a number"),
+        (('seeds = "1-3"', "stop = -1"), "stop time must be a positive number"),
+        (('"slow"]\nseeds', '"slwo"]\nseeds'), "line 4: the system has no variant 'slwo'; did you mean 'slow'"),
+        (('name = "stuck"', 'name = "nominal"'), "line 11: there are two cases named 'nominal'"),
+        (('faults = "stuck"', 'faults = "stcuk"'), "line 12: there is no fault file 'stcuk'"),
+        (('name = "nominal"', 'nam = "nominal"'), "line 8: unknown entry 'nam'; did you mean 'name'"),
+        (('id = "R-2"', 'id = "R-1"'), "line 22: there are two requirements 'R-1'"),
+        (('signal = "estimator.solution.length"\nat_most = "8', 'signal = "estimator.x"\nat_most = "8'), "line 16: "),
+        (('"8 m"', '"8 s"'), "line 17: 'at_most' = 8 s: 's' cannot be converted to 'm'"),
+        (("percent = 90", "percent = 101"), "line 18: 'percent' is 101"),
+        (("quantile = 0.9", "quantile = 90"), "line 26: 'quantile' is 90"),
+        (("from = 2.0", "from = 30.0"), "line 19: 'from' is 30.0 s, expected a time from 0 to before 20 s"),
+        (('variants = ["slow"]', 'cases = ["stcuk"]'), "line 27: 'cases': there is no 'stcuk' in this campaign; did"),
+        (('name = "tracker"', 'name = "tracker"\n[parameters]\n"lag.tua" = 1'), "unknown entry 'system'" ),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_the_file_is_answered_with_its_line(tmp_path, change, sentence):
+    assert change[0] in CAMPAIGN
+    file = write(tmp_path, CAMPAIGN.replace(*change, 1).format(system=systems.tracker()))
+    result = CliRunner().invoke(main, ["campaign", str(file), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2 and isinstance(result.exception, SystemExit)
+    assert str(file) in result.stderr and not (tmp_path / "out").exists()
+    if "parameters" not in change[1]:
+        assert sentence in result.stderr
+
+
+def test_a_missing_campaign_file_is_a_sentence(tmp_path):
+    with pytest.raises(NavfmuError, match="no such campaign file"):
+        load_campaign(tmp_path / "none.toml")
+
+
+def test_a_fault_that_does_not_fit_the_system_is_found_before_anything_runs(tmp_path):
+    (tmp_path / "f.toml").write_text('[[fault]]\nid = "F"\ntarget = "lag.u"\ntype = "input"\nvalue = 1.0\n')
+    file = write(tmp_path, CAMPAIGN.replace('faults = "stuck"', 'faults = "f.toml"').format(system=systems.tracker()))
+    with pytest.raises(NavfmuError, match=r"variant 'main', case 'stuck': .*f\.toml, line 1.* is connected"):
+        run_campaign(load_campaign(file), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_jobs_default_to_the_cores_and_seeds_can_be_replaced(done, tmp_path):
+    campaign = load_campaign(done[0], seeds="5")
+    assert campaign.seeds == (5,) and campaign.size == 4
+    outcome = run_campaign(campaign, tmp_path / "out")
+    assert {judged.run.seed for judged in outcome.runs} == {5} and os.cpu_count() >= 1

@@ -1,0 +1,188 @@
+"""Whatever a user gets wrong: one sentence that names it, exit code 2, no traceback, nothing half-written."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from navfmu.cli import main
+from navfmu.export import Component, Input, Output, Parameter, every, require
+from navfmu.export.build import build
+from tests.components import systems
+from tests.ssp import fmus
+
+
+def navfmu(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def refused(result: Result, *sentences: str) -> None:
+    """Exit code 2, one sentence on the standard error stream, no traceback."""
+    assert result.exit_code == 2, (result.exit_code, result.output, result.exception)
+    assert isinstance(result.exception, SystemExit)
+    assert "Traceback" not in result.output
+    for sentence in sentences:
+        assert sentence in result.stderr
+
+
+FAULTS = {
+    "not toml": ("[[fault]\nid = 1", "line 1"),
+    "an unknown type": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bais"\nvalue = 1.0\n', "line 4"),
+    "a missing value": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bias"\n', "'value'"),
+    "an unknown key": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bias"\nvalue = 1.0\nstat = 2\n', "'start'"),
+    "an unknown target": ('[[fault]]\nid = "F"\ntarget = "lga.y"\ntype = "bias"\nvalue = 1.0\n', "did you mean 'lag'"),
+    "a target that has no such fault": (
+        '[[fault]]\nid = "F"\ntarget = "sensor.reading.valid"\ntype = "drift"\nrate = 1.0\n',
+        "acts on Real outputs",
+    ),
+    "a parameter that cannot change": (
+        '[[fault]]\nid = "F"\ntarget = "lag.tau"\ntype = "parameter"\nvalue = 1.0\n',
+        "only a tunable one can change",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_fault_file_with(name, tmp_path):
+    text, sentence = FAULTS[name]
+    file = tmp_path / "faults.toml"
+    file.write_text(text)
+    out = tmp_path / "out.parquet"
+    refused(navfmu("run", systems.tracker(), "--faults", file, "--out", out), str(file), sentence)
+    assert not out.exists()
+
+
+ARGUMENTS = {
+    "a step of zero": (["--step", "0"], "step must be a positive number"),
+    "a negative step": (["--step", "-0.1"], "step must be a positive number"),
+    "a step that is not a number": (["--step", "fast"], "is not a valid float"),
+    "a stop of zero": (["--stop", "0"], "stop time must be a positive number"),
+    "an infinite stop": (["--stop", "inf"], "stop time must be a positive number"),
+    "a stop between steps": (["--stop", "1.05"], "is not a multiple of the step"),
+    "an unknown variant": (["--variant", "slwo"], "did you mean 'slow'"),
+    "an unknown algorithm": (["--algorithm", "seidel"], "did you mean 'gauss_seidel'"),
+    "an unknown component": (["--set", "lga.tau=1"], "did you mean 'lag'"),
+    "an unknown parameter": (["--set", "lag.tua=1"], "did you mean 'tau'"),
+    "a parameter out of range": (["--set", "sensor.sample_period=11"], "'sample_period' = 11 s is out of range"),
+    "a parameter that is an output": (["--set", "lag.y=1"], "cannot be set: it is output"),
+    "a parameter without a value": (["--set", "lag.tau"], "expected component.parameter=value"),
+    "a unit that does not convert": (["--set", "lag.tau=3 m"], "'m' cannot be converted to 's'"),
+    "an unknown signal": (["--record", "lag.z"], "has no variable 'z'"),
+    "a pattern that matches nothing": (["--record", "lag.z*"], "no output matches"),
+    "a recording period between steps": (["--record-period", "0.15"], "is not a multiple of the step"),
+    "a missing fault file": (["--faults", "nothing.toml"], "nothing.toml"),
+    "an option that does not exist": (["--stpo", "1"], "'--stop'"),
+    "a format that is not known": (["--out", "a.xlsx"], "a.xlsx: cannot tell the format from the name"),
+}
+
+
+@pytest.mark.parametrize("name", ARGUMENTS)
+def test_run_with(name):
+    arguments, sentence = ARGUMENTS[name]
+    refused(navfmu("run", systems.tracker(), *arguments), sentence)
+
+
+def test_an_unknown_command_is_answered_with_the_nearest():
+    refused(navfmu("swep"), "did you mean 'sweep'")
+
+
+def bad_files(folder: Path) -> dict[str, tuple[Path, str]]:
+    text, cut, foreign = folder / "text.ssp", folder / "cut.ssp", folder / "vax.fmu"
+    text.write_text("hello")
+    cut.write_bytes(systems.tracker().read_bytes()[:5000])
+    with zipfile.ZipFile(foreign, "w") as archive:
+        archive.writestr("modelDescription.xml", fmus.describe("vax", [fmus.variable("x", "parameter", reference=1)]))
+        archive.writestr("binaries/vms/vax.exe", b"x")
+    empty = folder / "empty"
+    empty.mkdir()
+    broken = folder / "broken.ssp"
+    with zipfile.ZipFile(systems.tracker()) as source, zipfile.ZipFile(broken, "w") as target:
+        for name in source.namelist():
+            target.writestr(name, b"rubbish" if name.endswith("lag.fmu") else source.read(name))
+    evil = folder / "evil.ssp"
+    with zipfile.ZipFile(evil, "w") as archive:
+        archive.writestr("../evil.txt", "x")
+    return {
+        "missing": (folder / "none.ssp", "no such file"),
+        "not an archive": (text, "is not an SSP"),
+        "cut short": (cut, "is not an SSP"),
+        "without a main document": (empty, "has no SystemStructure.ssd"),
+        "with a corrupt FMU": (broken, "lag.fmu: is not an FMU"),
+        "for another machine": (foreign, "no binary for this machine"),
+        "that breaks out of its folder": (evil, "would be written outside its folder"),
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "missing",
+        "not an archive",
+        "cut short",
+        "without a main document",
+        "with a corrupt FMU",
+        "for another machine",
+        "that breaks out of its folder",
+    ],
+)
+def test_a_file(name, tmp_path):
+    path, sentence = bad_files(tmp_path)[name]
+    refused(navfmu("run", path, "--stop", 1, "--step", 0.1, "--out", tmp_path / "o.csv"), str(path.name), sentence)
+    assert not (tmp_path / "o.csv").exists() and not (tmp_path.parent / "evil.txt").exists()
+
+
+class Fragile(Component):
+    """Refuses two parameters that do not fit together."""
+
+    u = Input("m", description="input")
+    y = Output("m", description="output")
+    low = Parameter("m", start=0.0, description="lower bound")
+    high = Parameter("m", start=1.0, description="upper bound")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="period")
+
+    @require("the lower bound {low} must be below the upper bound {high}")
+    def ordered(self):
+        return self.low < self.high
+
+    @every("sample_period")
+    def step(self):
+        self.y = self.u
+
+
+def test_an_fmu_that_returns_an_error_is_quoted(tmp_path):
+    (file,) = build([Fragile], tmp_path)
+    result = navfmu("run", file, "--stop", 1, "--step", 0.1, "--set", "fragile.low=2", "--out", tmp_path / "o.csv")
+    refused(result, "component 'fragile'", "the lower bound 2 must be below the upper bound 1")
+    assert not (tmp_path / "o.csv").exists()
+
+
+def test_a_result_is_not_written_where_it_cannot_be(tmp_path):
+    (tmp_path / "file").write_text("x")
+    refused(navfmu("run", systems.tracker(), "--out", tmp_path / "file" / "o.csv"), "is not a folder")
+    refused(navfmu("run", systems.tracker(), "--out", tmp_path / "o.csv" / ".."), "expected .parquet or .csv")
+
+
+def test_a_run_that_fails_leaves_an_older_result_alone(tmp_path):
+    out = tmp_path / "o.csv"
+    out.write_text("old")
+    refused(navfmu("run", systems.tracker(), "--stop", -1, "--out", out))
+    assert out.read_text() == "old" and [p.name for p in tmp_path.iterdir()] == ["o.csv"]
+
+
+SWEEPS = {
+    "one step": (["--steps", "0.1"], "at least two different steps"),
+    "a step that is no number": (["--steps", "0.1,x"], "'x' is not a number"),
+    "a negative step": (["--steps", "0.1,-1"], "step must be a positive number"),
+    "steps without a common point": (["--steps", "0.1,19.9"], "share fewer than two points"),
+    "signals that are not Real": (["--steps", "0.1,0.2", "--signals", "sensor.reading.valid"], "nothing to compare"),
+}
+
+
+@pytest.mark.parametrize("name", SWEEPS)
+def test_sweep_with(name, tmp_path):
+    arguments, sentence = SWEEPS[name]
+    refused(navfmu("sweep", systems.tracker(), *arguments, "--out", tmp_path / "out"), sentence)
+    assert not (tmp_path / "out").exists()
