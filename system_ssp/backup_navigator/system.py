@@ -106,7 +106,9 @@ def add_variants(system: SystemSource) -> None:
     )
     for grade in GRADES:
         if grade != "automotive":
-            system.variant(f"imu_{grade}", parameters={"imu": GRADES[grade]}, description=f"{grade} grade IMU, Table 3.2")
+            system.variant(
+                f"imu_{grade}", parameters={"imu": GRADES[grade]}, description=f"{grade} grade IMU, Table 3.2"
+            )
     real: dict[str, dict] = {}
     use_stations(lambda component, values: real.update({component: values}), "bay_area")
     for name, mode in {"bay_area": 1, "bay_area_scanning": 3}.items():
