@@ -80,7 +80,12 @@ def base_units(unit: str) -> dict[str, int]:
     exponents = dict.fromkeys(_BASE, 0)
     for match in re.finditer(r"(^|[./])([A-Za-z]+|1)(-?\d+)?(?=[./]|$)|(.)", unit or "?"):
         operator, symbol, power, rest = match.groups()
-        if rest or (symbol != "1" and symbol not in SYMBOLS) or (symbol == "1" and (power or operator == ".")):
+        if (
+            rest
+            or (symbol != "1" and symbol not in SYMBOLS)
+            or (symbol == "1" and (power or operator))
+            or (operator and not match.start())
+        ):
             known = ["1", *SYMBOLS]
             raise NavfmuError(
                 f"unknown unit '{unit}'; expected SI symbols with powers such as 'm/s2' or 'kg/m3', "

@@ -6,7 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 #ifdef _WIN32
-#include <windows.h>
+#include <wchar.h>
+/* The one function that is needed of windows.h, without the hundreds of names that it takes. */
+__declspec(dllimport) int __stdcall MultiByteToWideChar(unsigned code_page, unsigned long flags, const char *text,
+                                                        int length, wchar_t *wide, int room);
+enum { UTF_8 = 65001 };
 #endif
 
 static int hex_digit(char c) {
@@ -51,10 +55,10 @@ static char *path_from_uri(const char *uri, const char *file) {
 
 static FILE *open_file(const char *path) {
 #ifdef _WIN32
-    int count = MultiByteToWideChar(CP_UTF8, 0, path, -1, NULL, 0);
-    wchar_t *wide = malloc((size_t)count * sizeof *wide + sizeof *wide);
+    int count = MultiByteToWideChar(UTF_8, 0, path, -1, NULL, 0);
+    wchar_t *wide = calloc((size_t)count + 1, sizeof *wide);
     if (!wide) return NULL;
-    MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, count);
+    MultiByteToWideChar(UTF_8, 0, path, -1, wide, count);
     FILE *file = _wfopen(wide, L"rb");
     free(wide);
     return file;

@@ -1,0 +1,76 @@
+"""The page in each FMU: self-contained, every variable in it, with a picture of a response."""
+
+import base64
+import html
+import re
+import zipfile
+
+import numpy as np
+import pytest
+
+from navfmu import NavfmuError
+from navfmu.export import toolchain
+from navfmu.export.build import build, library, prepare
+from navfmu.export.documentation import page
+from navfmu.export.lower import lower
+from navfmu.export.response import step_response
+from tests import built
+
+from .components import Sensor, TwoRates
+
+
+def read(path):
+    with zipfile.ZipFile(path) as archive:
+        return archive.read("documentation/index.html").decode()
+
+
+@pytest.mark.parametrize("name", sorted(built.components()))
+def test_every_page_names_every_variable_and_needs_nothing_else(name, tmp_path_factory):
+    text = read(built.fmu(name, tmp_path_factory))
+    shown = html.unescape(text)
+    for field in built.components()[name].layout.fields:
+        assert field in shown, field
+    assert not re.search(r'(?:src|href)="(?!data:)', text)
+    png = base64.b64decode(re.search(r'src="data:image/png;base64,([^"]+)"', text)[1])
+    assert png.startswith(b"\x89PNG")
+    assert len(png) > 5000
+
+
+def test_the_page_tells_ranges_equations_and_requirements(tmp_path):
+    (path,) = build(Sensor, tmp_path)
+    text = read(path)
+    assert "Its reading is s = u + b + w" in text
+    assert "sigma {sigma} m must be below a tenth of gain {gain}" in text
+    assert "<td><code>sigma</code></td><td>m</td><td>0.1</td><td>0 … 10</td>" in text
+    assert "every <code>sample_period</code> (0.1 s unless set)" in text
+    assert "(tunable)" in text
+
+
+def test_text_is_escaped():
+    model = lower(TwoRates)
+    text = page(type(model)(**{**vars(model), "description": "a <script> & more"}))
+    assert "a &lt;script&gt; &amp; more" in text
+
+
+def run(component, example=None, steps=None):
+    sources = prepare(lower(component))
+    return step_response(sources.model, sources.guid, library(sources, toolchain.host()), example, steps)
+
+
+def test_inputs_step_at_a_fifth_of_the_time():
+    response = run(TwoRates)
+    model = lower(TwoRates)
+    column = [model.variables[i].name for i in response.indices].index("sampled")
+    sampled = response.values[:, column]
+    assert set(sampled[response.time <= response.onset]) == {0.0}
+    assert set(sampled[response.time >= response.onset + 0.2]) == {100.0}
+    assert np.all(np.diff(response.time) > 0)
+
+
+def test_the_example_of_a_component_sets_where_it_starts_and_what_steps():
+    response = run(TwoRates, {"u": 5.0, "fast": 0.5}, {"u": -2.0})
+    model = lower(TwoRates)
+    column = [model.variables[i].name for i in response.indices].index("sampled")
+    assert response.values[-1, column] == 3.0
+    with pytest.raises(NavfmuError, match=r"its example sets 'v', which is no input or parameter"):
+        run(TwoRates, {"v": 1.0})
