@@ -1,4 +1,4 @@
-"""Build the FMUs and systems of this repository: python build_fmus.py [NAME ...] [--platforms host|all] [--out dist]."""
+"""Build the FMUs and systems: python build_fmus.py [NAME ...] [--platforms host|all] [--out dist]."""
 
 from pathlib import Path
 

@@ -13,7 +13,21 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGED = ("*.py", "*.c", "*.h", "*.so", "*.dll", "*.dylib", "*.fmu", "*.ssp", "*.toml", "*.md", "*.txt", "*.xsd", "*.json")
+PACKAGED = (
+    "*.py",
+    "*.c",
+    "*.h",
+    "*.so",
+    "*.dll",
+    "*.dylib",
+    "*.fmu",
+    "*.ssp",
+    "*.toml",
+    "*.md",
+    "*.txt",
+    "*.xsd",
+    "*.json",
+)
 
 
 def stage(folder: Path) -> None:
@@ -24,7 +38,7 @@ def stage(folder: Path) -> None:
     shutil.copytree(ROOT / "navfmu", folder / "navfmu", ignore=skip)
     for name in ("README.md", "LICENSE"):
         shutil.copy(ROOT / name, folder / name)
-    data = ", ".join(f'"**/{pattern}"' for pattern in PACKAGED)
+    data = ", ".join(f'"**/*.{ending}"' for ending in PACKAGED)
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     (folder / "pyproject.toml").write_text(
         f"{project}\n[tool.setuptools.package-data]\nnavfmu = [{data}]\n", encoding="utf-8"

@@ -27,7 +27,8 @@ COMPONENTS = (
     "evaluation",
 )
 RECEIVERS = {"two_receivers": 2, "scanning": 3}
-"""Variants by the receiver mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
+"""Variants by the mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
+BASE_GRADE = "automotive"
 POSITION = ("latitude", "longitude", "altitude")
 ANGLES = ("roll", "pitch", "heading")
 
@@ -40,7 +41,7 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
     system = SystemSource(
         name,
         fmus=fmus,
-        description="DME-aided dead reckoning navigator that carries an aircraft through a GPS outage; one DME receiver",
+        description="DME-aided dead reckoning that carries an aircraft through a GPS outage; one DME receiver",
         stop_time=2100.0,
         step=0.01,
     )
@@ -50,7 +51,7 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
     if aircraft == "aircraft.fmu":
         system.parameters("aircraft", FLIGHT_PLANS["livermore"].parameters())
     use_stations(system.parameters, "thesis_like")
-    system.parameters("imu", GRADES["automotive"])
+    system.parameters("imu", GRADES[BASE_GRADE], name=f"imu_{BASE_GRADE}")
     add_variants(system)
     for file in sorted((HERE / "faults").glob("*.toml")):
         system.attach(f"faults/{file.name}", file)
@@ -104,11 +105,14 @@ def add_variants(system: SystemSource) -> None:
         parameters={"navigator": {"range_noise_model": 2}},
         description="thesis (6.40) as printed: the range bias is left out of the measurement noise; overconfident",
     )
-    for grade in GRADES:
-        if grade != "automotive":
-            system.variant(
-                f"imu_{grade}", parameters={"imu": GRADES[grade]}, description=f"{grade} grade IMU, Table 3.2"
-            )
+    for grade in sorted(GRADES.keys() - {BASE_GRADE}):
+        name = f"imu_{grade}"
+        system.variant(
+            name,
+            parameters={"imu": GRADES[grade]},
+            sets={"imu": name},
+            description=f"{grade} grade IMU, thesis Table 3.2",
+        )
     real: dict[str, dict] = {}
     use_stations(lambda component, values: real.update({component: values}), "bay_area")
     for name, mode in {"bay_area": 1, "bay_area_scanning": 3}.items():
