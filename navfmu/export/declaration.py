@@ -22,6 +22,7 @@ This module needs NumPy alone: the same declaration is traced to C (``lower.py``
 from __future__ import annotations
 
 import inspect
+import math
 import re
 import string
 import sys
@@ -317,13 +318,9 @@ class Field:
     name: str  # "reading.rate"
     index: int
     shape: tuple[int, ...]
+    size: int
     kind: str
     causality: str
-
-    @property
-    def size(self) -> int:
-        """Number of elements."""
-        return int(np.prod(self.shape, dtype=int))
 
 
 def element_name(name: str, shape: tuple[int, ...], i: int) -> str:
@@ -388,7 +385,9 @@ class Layout:
             self.requirements.append(Requirement(message, member, names, place))
 
     def _add(self, name: str, declared: Variable, bundle: str | None = None) -> None:
-        field = Field(name, len(self.variables), declared.shape, declared.kind, declared.causality)
+        field = Field(
+            name, len(self.variables), declared.shape, math.prod(declared.shape), declared.kind, declared.causality
+        )
         self.fields[name] = field
         causality = declared.causality
         if causality == "parameter":

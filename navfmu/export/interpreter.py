@@ -37,6 +37,8 @@ class FloatFrame(Frame):
 
     def load(self, field: Field) -> Any:
         values = self.run.values[field.index : field.index + field.size]
+        if field.kind == "real" and not field.shape:
+            return values[0]
         if field.kind == "integer":
             values = np.array([nearest_int(x) for x in values], np.int64)
         elif field.kind == "boolean":
@@ -65,7 +67,11 @@ class FloatFrame(Frame):
         """Store what the task assigned."""
         for name in self.assigned:
             field = self.layout.fields[name]
-            self.run.values[field.index : field.index + field.size] = np.ravel(self.current[name])
+            value = self.current[name]
+            if field.shape:
+                self.run.values[field.index : field.index + field.size] = value.ravel()
+            else:
+                self.run.values[field.index] = value
 
 
 def nearest_int(value: float) -> int:
@@ -167,7 +173,7 @@ class Interpreter:
         """Set an input or a parameter, or before initialisation ends the start value of an output."""
         index, shape = self._indices(name)
         self._undo_preview()
-        numbers = np.ravel(np.broadcast_to(np.asarray(value, float), shape))
+        numbers = np.broadcast_to(np.asarray(value, float), shape).ravel() if shape else (float(value),)
         for i, number in enumerate(numbers, index):
             self._check_settable(i)
             if self._kinds[i] == "Boolean":
@@ -333,7 +339,7 @@ class Interpreter:
         for number, task in enumerate(self.layout.tasks):
             index = self._period(task)
             if task.kind == "on_new":
-                self._run_on_new(number, task, time, tolerance, period)
+                self._run_on_new(number, task, time, tolerance, float(self.values[index]))
             elif task.kind == "every" and index in due:
                 self._run(task, self.counts[self._clocks.index(index)], time, float(self.values[index]))
 

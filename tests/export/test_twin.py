@@ -95,6 +95,7 @@ def random_inputs(description, steps, period, rng):
     """Random values for each input and step; bundles announce new data in half of the steps."""
     inputs = [v for v in description.modelVariables if v.causality == "input"]
     sequences: dict[str, int] = {}
+    wander: dict[str, float] = {}
     for k in range(steps):
         values = {}
         new = {}
@@ -116,7 +117,8 @@ def random_inputs(description, steps, period, rng):
             elif v.type == "Integer":
                 values[v.name] = int(rng.integers(int(v.min or 0), int(v.max or 3) + 1))
             else:
-                values[v.name] = float(v.start) + scale(v) * rng.normal()
+                wander[v.name] = 0.99 * wander.get(v.name, 0.0) + 0.14 * scale(v) * rng.normal()
+                values[v.name] = float(v.start) + wander[v.name]
         yield values
 
 
