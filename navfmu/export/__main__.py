@@ -26,7 +26,9 @@ from navfmu.errors import NavfmuError
 @click.option("--twins/--no-twins", default=True, show_default=True, help="Build the Python twins too.")
 @click.option("--systems", help="Folder of systems to pack into OUT/*.ssp when all FMUs are built.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Compilers at a time; as many as there are processors.")
-def main(names: tuple[str, ...], folder: str, out: str, platforms: str, twins: bool, systems: str | None, jobs: int | None) -> None:
+def main(
+    names: tuple[str, ...], folder: str, out: str, platforms: str, twins: bool, systems: str | None, jobs: int | None
+) -> None:
     """Build FMUs from components: all that the modules in a folder define, or only those NAMEd.
 
     An FMU that has not changed is taken from the cache.
