@@ -20,8 +20,8 @@ class Ahrs(Component):
     -cos). Every `aiding_period` a Kalman filter with six states, errors of the angles and gyro biases (4.32), takes
 
     - roll and pitch from the mean specific force of the period (4.8), (4.9), while the aircraft flies straight, that
-      is the computed yaw rate (4.67) is below `yaw_rate_limit`, and unaccelerated, within `force_limit` of 1 g: output
-      `aiding`;
+      is the computed yaw rate (4.67) and roll rate are below `yaw_rate_limit`, and unaccelerated, within `force_limit`
+      of 1 g: output `aiding`;
     - the direction of the magnetic field as a vector, always. In straight flight this is the levelled magnetic heading
       plus `declination`. In turns it keeps all angles observable; the thesis switches it off together with the
       accelerometers and lets the gyros run free, which with an automotive gyro (0.05 deg/s) loses degrees in each
@@ -68,7 +68,7 @@ class Ahrs(Component):
         start=np.radians(0.5),
         min=0.0,
         display_unit="deg/s",
-        description="computed yaw rate above which accelerometers are not used (thesis (4.67), p. 149)",
+        description="computed yaw rate above which accelerometers are not used (thesis (4.67), p. 149); also for roll",
     )
     force_limit = Parameter(
         "1",
@@ -142,6 +142,7 @@ class Ahrs(Component):
     rate = State(3, "rad/s", description="last rate less bias")
     imu_time = State("s", description="time of validity of the last IMU sample")
     turned = State("rad", description="change of heading since the last aiding")
+    rolled = State("rad", description="change of roll since the last aiding")
     force_sum = State(3, "m/s2", description="sum of specific forces since the last aiding")
     force_count = State("1", description="number of IMU samples since the last aiding")
     field_seen = State(kind="integer", description="sequence number of the last field used")
@@ -156,6 +157,7 @@ class Ahrs(Component):
         moved = self.angles + step * euler_rates
         self.angles = np.stack([moved[0], moved[1], attitude.wrap(moved[2])])
         self.turned = self.turned + step * euler_rates[2]
+        self.rolled = self.rolled + step * euler_rates[0]
         self.rate = rate
         self.imu_time = self.imu.time_of_validity
         self.force_sum = self.force_sum + self.imu.specific_force
@@ -174,7 +176,13 @@ class Ahrs(Component):
         felt = self.force_count > 0.5
         force = np.where(felt, self.force_sum / np.maximum(self.force_count, 1.0), np.array([0.0, 0.0, -9.80665]))
         straight, quiet = ahrs.gates(
-            self.turned, self.period, force, earth.STANDARD_GRAVITY, self.yaw_rate_limit, self.force_limit
+            self.turned,
+            self.rolled,
+            self.period,
+            force,
+            earth.STANDARD_GRAVITY,
+            self.yaw_rate_limit,
+            self.force_limit,
         )
         use_force = quiet & felt
         due = self.field.time_of_validity <= self.time + 1.0e-6
@@ -239,3 +247,4 @@ class Ahrs(Component):
         self.force_sum = np.zeros(3)
         self.force_count = 0.0
         self.turned = 0.0
+        self.rolled = 0.0

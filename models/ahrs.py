@@ -47,13 +47,15 @@ def length(vector):
     return np.sqrt(np.sum(vector * vector))
 
 
-def gates(heading_change, time, specific_force, gravity, yaw_rate_limit, force_limit):
-    """Whether the aircraft flies straight and unaccelerated: thesis (4.67) and the 1.05 g gate.
+def gates(heading_change, roll_change, time, specific_force, gravity, rate_limit, force_limit):
+    """Whether the aircraft flies straight, and whether it is unaccelerated too: thesis (4.67) and the 1.05 g gate.
 
-    ``heading_change`` (rad) over ``time`` (s) is the computed yaw rate; ``force_limit`` is the allowed departure of the
-    specific force from 1 g, to both sides (the thesis tests the upper one).
+    ``heading_change`` (rad) over ``time`` (s) is the computed yaw rate. The same limit is applied to the computed roll
+    rate (own addition): while an aircraft rolls into a turn its yaw rate is small still, and the accelerometers, which
+    feel no roll in a coordinated turn, are wrong already. ``force_limit`` is the allowed departure of the specific
+    force from 1 g, to both sides (the thesis tests the upper one).
     """
-    straight = np.abs(heading_change) <= yaw_rate_limit * time
+    straight = np.maximum(np.abs(heading_change), np.abs(roll_change)) <= rate_limit * time
     quiet = np.abs(length(specific_force) - gravity) <= force_limit * gravity
     return straight, np.logical_and(straight, quiet)
 
