@@ -21,29 +21,32 @@ static inline int failed(Master *m, Component *c, Call call, fmi2Status status) 
         if (status_ != fmi2OK && failed(m, c, call, status_)) return 1;             \
     } while (0)
 
-/* A signal as the input i sees it; what is not scaled keeps its bits. */
-static inline double converted(const Inputs *in, int i, double value) {
-    if (!in->scaled || (in->factor[i] == 1.0 && in->offset[i] == 0.0)) return value;
-    return in->factor[i] * value + in->offset[i];
-}
-
 static inline uint64_t bits(double value) {
     uint64_t n;
     memcpy(&n, &value, sizeof n);
     return n;
 }
 
+/* Signals as a group of Real inputs sees them; what is not scaled keeps its bits. Returns 0 if no bit has changed. */
+static inline uint64_t gather(const Inputs *in, const int32_t *source, const double *signal, double *restrict value) {
+    uint64_t changed = 0;
+    const int count = in->count;
+    for (int i = 0; i < count; i++) {
+        double now = signal[source[i]];
+        if (in->scaled && (in->factor[i] != 1.0 || in->offset[i] != 0.0)) now = in->factor[i] * now + in->offset[i];
+        changed |= bits(now) ^ bits(value[i]);
+        value[i] = now;
+    }
+    return changed;
+}
+
 /* Set the inputs that are held over the step, each group only if a bit of it has changed. */
 static inline int set_held(Master *m, Component *c, int always) {
     const double *signal = m->signal;
     if (c->real.count) {
-        uint64_t changed = (uint64_t)always;
-        for (int i = 0; i < c->real.count; i++) {
-            double value = converted(&c->real, i, signal[c->real.source[i]]);
-            changed |= bits(value) ^ bits(c->real_value[i]);
-            c->real_value[i] = value;
-        }
-        if (changed) TRY(SET_REAL, c->set_real(c->instance, c->real.references, (size_t)c->real.count, c->real_value));
+        uint64_t changed = gather(&c->real, c->real.source, signal, c->real_value);
+        if (changed || always)
+            TRY(SET_REAL, c->set_real(c->instance, c->real.references, (size_t)c->real.count, c->real_value));
     }
     if (c->integer.count) {
         int changed = always;
@@ -72,15 +75,14 @@ static inline int set_held(Master *m, Component *c, int always) {
 
 /* The value of each smooth input now, where the next step starts. */
 static inline void begin_smooth(Master *m, Component *c) {
-    for (int i = 0; i < c->smooth.count; i++)
-        c->start[i] = converted(&c->smooth, i, m->signal[c->smooth.source[i]]);
+    gather(&c->smooth, c->smooth.source, m->signal, c->start);
 }
 
 /* Set the smooth inputs: their value at the beginning of the step and the slope to its end. */
 static inline int set_smooth(Master *m, Component *c) {
     if (!c->smooth.count) return 0;
-    for (int i = 0; i < c->smooth.count; i++)
-        c->slope[i] = (converted(&c->smooth, i, m->signal[c->ahead[i]]) - c->start[i]) / m->step;
+    gather(&c->smooth, c->ahead, m->signal, c->slope);
+    for (int i = 0; i < c->smooth.count; i++) c->slope[i] = (c->slope[i] - c->start[i]) / m->step;
     size_t count = (size_t)c->smooth.count;
     TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, count, c->start));
     TRY(SET_DERIVATIVES, c->set_derivatives(c->instance, c->smooth.references, count, c->first_order, c->slope));
@@ -125,8 +127,8 @@ static inline int read_into(Master *m, Component *c, double *to) {
 
 /* Outputs at communication point k, with the faults of that point. */
 static inline int read_outputs(Master *m, Component *c, int64_t k) {
-    if (!c->effects) return read_into(m, c, m->signal);
-    if (read_into(m, c, m->signal + m->signals)) return 1;
+    if (read_into(m, c, c->effects ? m->signal + m->signals : m->signal)) return 1;
+    if (!c->effects) return 0;
     if (k > 0) look_ahead(m, c, k - 1);
     leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k);
     return 0;
