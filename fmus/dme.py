@@ -6,7 +6,7 @@ import numpy as np
 
 from fmus import stations
 from models import dme, gauss_markov
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, require, start
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 PLACES = stations.PLACES
 
@@ -40,6 +40,11 @@ class Dme(Component):
     Not modelled: garbling and the saturation of transponders by other aircraft (the schedule exists to avoid it),
     DME-P.
     """
+
+    example = Example(
+        {"latitude": 0.66, "longitude": -2.125, "altitude": 2000.0, "mode": 3},
+        steps={"altitude": 1000.0, "velocity_n": (40.0, 20.0, 0.0)},
+    )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models import gps
-from navfmu.export import Bundle, Component, Input, Output, Parameter, every
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, every
 
 
 class Gps(Component):
@@ -19,6 +19,8 @@ class Gps(Component):
     counts on, `time_of_validity` is that of the report and the values are the last good ones. A receiver that falls
     silent (a dropout) must be noticed by its consumers from the age of the last fix.
     """
+
+    example = Example({"latitude": 0.66, "longitude": -2.125, "altitude": 2000.0})
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")

@@ -3,6 +3,7 @@
 from navfmu.export.declaration import (
     Bundle,
     Component,
+    Example,
     Input,
     Output,
     Parameter,
@@ -17,6 +18,7 @@ from navfmu.export.declaration import (
 __all__ = [
     "Bundle",
     "Component",
+    "Example",
     "Input",
     "Output",
     "Parameter",

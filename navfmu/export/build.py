@@ -186,8 +186,8 @@ def pack(sources: Sources, libraries: dict[str, Path], platforms: Iterable[str],
     from navfmu.export import documentation, response
 
     model = sources.model
-    example, steps = (getattr(sources.component, name, None) for name in ("example", "example_steps"))
-    run = response.step_response(model, sources.guid, libraries[toolchain.host()], example, steps)
+    example = getattr(sources.component, "example", None)
+    run = response.step_response(model, sources.guid, libraries[toolchain.host()], example)
     page = documentation.page(model, run, [sources.component] if sources.component else [])
     files: dict[str, bytes | str] = {
         "modelDescription.xml": sources.description,

@@ -27,8 +27,8 @@ import re
 import string
 import sys
 import zlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import numpy as np
@@ -242,6 +242,18 @@ class Table:
 
     def __set__(self, component: Component, value: Any) -> None:
         component._frame.fail(f"table '{self.name}' cannot be assigned")
+
+
+@dataclass(frozen=True)
+class Example:
+    """Class attribute ``example``: where the run shown in the documentation begins, and which inputs step in it.
+
+    ``Example({"latitude": 0.66}, steps={"heading": 1.5})``: parameters and inputs by name (an array for a vector), in
+    their units. Without ``steps`` all Real inputs step.
+    """
+
+    values: Mapping[str, Any] = field(default_factory=dict)
+    steps: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -101,16 +101,22 @@ def _image(png: bytes) -> str:
 
 
 def _caption(model: ir.Model, response: Response) -> str:
-    words = f"{response.time[-1]:.6g} s with the parameters' start values"
+    words = f"{response.time[-1]:.6g} s from the start values"
+    if response.example:
+        words += " with " + ", ".join(f"<code>{_escape(f'{n} = {v}')}</code>" for n, v in response.example.items())
     if response.stepped:
-        steps: dict[str, str] = {}
+        heights: dict[str, list[str]] = {}
+        units: dict[str, str] = {}
         for index, height in response.stepped.items():
             variable = model.variables[index]
-            shown, unit = display(variable, height)[0] - display(variable, 0.0)[0], display(variable, 0.0)[1]
-            steps.setdefault(
-                _base(variable.name), f"<code>{_base(variable.name)}</code> by {shown:.4g} {unit}".rstrip()
-            )
-        words += f"; at {response.onset:.6g} s (dotted) the inputs step: {', '.join(steps.values())}"
+            name, (shown, unit) = _base(variable.name), display(variable, height)
+            heights.setdefault(name, []).append(f"{shown - display(variable, 0.0)[0]:.4g}")
+            units[name] = unit
+        steps = [
+            f"<code>{name}</code> by {of[0] if len(set(of)) == 1 else '[' + ', '.join(of) + ']'} {units[name]}".rstrip()
+            for name, of in heights.items()
+        ]
+        words += f"; at {response.onset:.6g} s (dotted) the inputs step: {', '.join(steps)}"
     if response.fed:
         names = ", ".join(f"<code>{name}</code>" for name in response.fed)
         words += f". New data arrives at every communication point in {names}"
@@ -277,7 +283,8 @@ def _text(text: str) -> str:
 
 
 def _inline(text: str) -> str:
-    return re.sub(r"`{1,2}([^`]+)`{1,2}", r"<code>\1</code>", _escape(" ".join(text.split())))
+    text = re.sub(r"`{1,2}([^`]+)`{1,2}", r"<code>\1</code>", _escape(" ".join(text.split())))
+    return re.sub(r"(?<![\w*])\*(\S[^*<>]*?[\w.])\*(?![\w*])", r"<em>\1</em>", text)
 
 
 def _escape(text: str) -> str:

@@ -14,6 +14,8 @@ import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import codegen, ir
+from navfmu.export.declaration import Example
+from navfmu.export.description import display
 
 #: Height of the step of an input, by its unit.
 _STEPS = {"m": 100.0, "m/s": 10.0, "m/s2": 1.0, "rad": 0.1, "rad/s": 0.02, "T": 1e-5, "Pa": 1000.0, "K": 5.0}
@@ -32,30 +34,31 @@ class Response:
     onset: float
     stepped: dict[int, float]  # index of an input -> height of its step
     fed: list[str]  # bundles that were fed
+    example: Mapping[str, Any]  # values other than the start values
 
 
 def step_response(
     model: ir.Model,
     guid: str,
     library: Path,
-    example: Mapping[str, Any] | None = None,
-    steps: Mapping[str, Any] | None = None,
+    example: Example | None = None,
     stop: float = 60.0,
 ) -> Response:
     """Run the built library of this machine: inputs step at a fifth of the time, bundles come at every tick.
 
-    ``example`` gives values other than the start values: parameters, and what inputs step from, by name (an array for
-    a vector). ``steps`` gives the height of steps; without it all Real inputs step by something that suits their unit.
+    ``example`` gives values other than the start values and the height of steps; without it all Real inputs step by
+    something that suits their unit.
     """
-    base = _values(model, example or {})
+    example = example or Example()
+    base = _values(model, example.values)
     periods = [model.variables[i].start for i in codegen.clocks(model)]
     count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
     h, onset = stop / count, stop / 5
     bundles = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
     inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
     stepped = {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
-    if steps is not None:
-        stepped = {index: height for index, height in _values(model, steps).items() if height}
+    if example.steps is not None:
+        stepped = _values(model, example.steps)
     reals = [v.index for v in model.variables if v.causality == "output" and v.type == "Real"]
     shown = [i for i in reals if not model.variables[i].name.endswith(".time_of_validity")]
     by_name = {v.name: v.index for v in model.variables}
@@ -80,7 +83,7 @@ def step_response(
                 run.set([by_name[f"{bundle}.time_of_validity"]], [time[k]])
             run.step(k * h, h)
             values[k + 1] = run.get(shown)
-    return Response(time, shown, values, onset, stepped, bundles)
+    return Response(time, shown, values, onset, stepped, bundles, example.values)
 
 
 def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
@@ -101,8 +104,11 @@ def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
 
 
 def _height(variable: ir.Variable) -> float:
+    """Return a step that suits the unit, a round number in the display unit."""
     leaf = variable.name.rpartition(".")[2].partition("[")[0]
-    return _MINUTE if leaf in _PLACES else _STEPS.get(variable.unit or "1", 1.0)
+    height = _MINUTE if leaf in _PLACES else _STEPS.get(variable.unit or "1", 1.0)
+    factor = display(variable, 1.0)[0] - display(variable, 0.0)[0]
+    return float(f"{height * factor:.0e}") / factor
 
 
 class _Run:

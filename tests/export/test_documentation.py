@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from navfmu import NavfmuError
-from navfmu.export import toolchain
+from navfmu.export import Example, toolchain
 from navfmu.export.build import build, library, prepare
 from navfmu.export.documentation import page
 from navfmu.export.lower import lower
@@ -52,9 +52,9 @@ def test_text_is_escaped():
     assert "a &lt;script&gt; &amp; more" in text
 
 
-def run(component, example=None, steps=None):
+def run(component, example=None):
     sources = prepare(lower(component))
-    return step_response(sources.model, sources.guid, library(sources, toolchain.host()), example, steps)
+    return step_response(sources.model, sources.guid, library(sources, toolchain.host()), example)
 
 
 def test_inputs_step_at_a_fifth_of_the_time():
@@ -68,9 +68,9 @@ def test_inputs_step_at_a_fifth_of_the_time():
 
 
 def test_the_example_of_a_component_sets_where_it_starts_and_what_steps():
-    response = run(TwoRates, {"u": 5.0, "fast": 0.5}, {"u": -2.0})
+    response = run(TwoRates, Example({"u": 5.0, "fast": 0.5}, steps={"u": -2.0}))
     model = lower(TwoRates)
     column = [model.variables[i].name for i in response.indices].index("sampled")
     assert response.values[-1, column] == 3.0
     with pytest.raises(NavfmuError, match=r"its example sets 'v', which is no input or parameter"):
-        run(TwoRates, {"v": 1.0})
+        run(TwoRates, Example({"v": 1.0}))
