@@ -1,0 +1,82 @@
+"""The documents of the shipped system: valid, flat, complete, and those in the repository are the ones written."""
+
+from pathlib import Path
+
+import fmpy.ssp
+import pytest
+from lxml import etree
+
+from navfmu.errors import NavfmuError
+from system_ssp.backup_navigator.system import RECEIVERS, source
+
+FOLDER = Path(__file__).parents[2] / "system_ssp" / "backup_navigator"
+SCHEMAS = Path(fmpy.ssp.__file__).parent / "schema"
+SSD = "{http://ssp-standard.org/SSP1/SystemStructureDescription}"
+
+
+@pytest.fixture(scope="module")
+def files(fmus):
+    return source(fmus).files()
+
+
+def test_the_documents_in_the_repository_are_those_that_the_source_writes(files):
+    kept = {
+        str(path.relative_to(FOLDER)): path.read_bytes()
+        for pattern in ("*.ssd", "resources/*.ssv")
+        for path in FOLDER.glob(pattern)
+    }
+    assert sorted(kept) == sorted(files), "run: python build_fmus.py && python -m system_ssp"
+    for name in files:
+        assert kept[name] == files[name], f"{name} differs: run python build_fmus.py && python -m system_ssp"
+
+
+def test_every_document_is_valid_against_the_ssp_schema(files):
+    schemas = {
+        ".ssd": etree.XMLSchema(etree.parse(SCHEMAS / "SystemStructureDescription.xsd")),
+        ".ssv": etree.XMLSchema(etree.parse(SCHEMAS / "SystemStructureParameterValues.xsd")),
+    }
+    for name, text in files.items():
+        schemas[Path(name).suffix].assertValid(etree.fromstring(text))
+
+
+def test_every_system_is_flat_without_root_connectors_and_with_equal_units(files):
+    for name, text in files.items():
+        if not name.endswith(".ssd"):
+            continue
+        system = etree.fromstring(text).find(f"{SSD}System")
+        assert system.find(f"{SSD}Connectors") is None, name
+        units = {}
+        for component in system.iter(f"{SSD}Component"):
+            for connector in component.iter(f"{SSD}Connector"):
+                units[component.get("name"), connector.get("name")] = connector[0].get("unit")
+        connections = list(system.iter(f"{SSD}Connection"))
+        assert len(connections) > 90
+        for c in connections:
+            start = units[c.get("startElement"), c.get("startConnector")]
+            assert start == units[c.get("endElement"), c.get("endConnector")], c.attrib
+
+
+def test_every_variant_loads_alone_and_differs_from_the_base_where_it_says(load, fmus):
+    base = load()
+    for variant in source(fmus).variants:
+        system = load(variant)
+        changed = {
+            f"{name}.{key}"
+            for name, values in system.values.items()
+            for key, value in values.items()
+            if base.values[name].get(key) != value
+        }
+        component = {"open": "navigator.", "r_as": "navigator.", "imu_": "imu."}.get(variant[:4])
+        stations = "bay_area" in variant
+        assert changed, variant
+        assert all(name.startswith(component) if component else stations or name == "dme.mode" for name in changed), (
+            variant,
+            changed,
+        )
+        if variant in RECEIVERS:
+            assert changed == {"dme.mode"}
+
+
+def test_a_track_fmu_can_take_the_place_of_the_aircraft(fmus):
+    with pytest.raises(NavfmuError, match=r"nothing\.fmu"):
+        source(fmus, aircraft="nothing.fmu")
