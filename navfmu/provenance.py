@@ -9,17 +9,19 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("navfmu", "numpy", "pandas", "fmpy")
+from navfmu import __version__
+
+PACKAGES = ("numpy", "pandas", "fmpy")
 
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    found = [("python", platform.python_version()), ("platform", f"{platform.system()} {platform.machine()}")]
-    for package in PACKAGES:
-        try:
-            found.append((package, metadata.version(package)))
-        except metadata.PackageNotFoundError:
-            found.append((package, "not installed (run from the source tree)"))
+    found = [
+        ("navfmu", __version__),
+        ("python", platform.python_version()),
+        ("platform", f"{platform.system()} {platform.machine()}"),
+    ]
+    found += [(package, metadata.version(package)) for package in PACKAGES]
     return tuple(found)
 
 

@@ -128,17 +128,23 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     worst = max(found, key=lambda pair: _badness(requirement, pair[1]), default=(None, None))
     what = "violated, as expected, in" if requirement.expect_violated else "held in"
     sentence = f"{what} {held} of {total} runs"
-    if worst[1] is not None:
-        finding = worst[1]
-        unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
-        sentence += f"; worst: seed {worst[0].run.seed}, {finding.worst:.4g}{unit} at t = {finding.worst_time:g} s"
+    finding = worst[1]
+    if finding is not None and (requirement.unit or finding.first_violation is not None):
+        value = readable(finding.worst, requirement.unit)
+        sentence += f"; worst: seed {worst[0].run.seed}, {value} at t = {finding.worst_time:g} s"
         sentence += f", inside for {finding.percent:.1f} % of the time"
         if finding.first_violation is not None:
             sentence += f", first violated at t = {finding.first_violation:g} s"
     failed = sum(j.error is not None for j in group)
     if failed:
-        sentence += f"; {failed} runs ended with an error"
+        sentence += f"; {failed} ended with an error"
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0])
+
+
+def readable(value: float, unit: str) -> str:
+    """A number for people: four digits, no exponent where a person would write none."""
+    text = f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.4g}"
+    return f"{text} {unit}" if unit and unit != "1" else text
 
 
 def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
@@ -168,13 +174,13 @@ def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: li
     )
     held = int(np.count_nonzero(inside[:, worst]))
     bound = upper if requirement.most is not None else lower
-    unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
+    extreme = readable(float(bound[worst]), requirement.unit)
     passed = bool(np.all(excess <= 0.0)) and len(good) == len(group)
     sentence = (
-        f"{100 * requirement.quantile:g}th percentile of {len(good)} runs at worst {bound[worst]:.4g}{unit} "
+        f"{100 * requirement.quantile:g}th percentile of {len(good)} runs at worst {extreme} "
         f"at t = {time[window][worst]:g} s, where {held} of {len(good)} runs are inside"
     )
     if len(good) < len(group):
-        sentence += f"; {len(group) - len(good)} runs ended with an error"
+        sentence += f"; {len(group) - len(good)} ended with an error"
     most_wrong = int(np.argmax(requirement.excess(values[:, worst])))
     return Cell(requirement, variant, case.name, passed, held, len(group), sentence, good[most_wrong])

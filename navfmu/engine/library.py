@@ -1,6 +1,7 @@
 """Finds the engine's binary for this machine; in a checkout it is built when its sources have changed.
 
-``python -m navfmu.engine.library [host|all|PLATFORM ...]`` builds binaries, as the wheel needs them.
+``python -m navfmu.engine.library [host|all|PLATFORM ...]`` builds binaries, as the wheel needs them. The compiler is
+imported only for building: an installed wheel has the binaries.
 """
 
 from __future__ import annotations
@@ -11,12 +12,13 @@ from functools import cache
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
-from navfmu.export import toolchain
+from navfmu.fmu import library_suffix, platforms
 
 HERE = Path(__file__).parent
 NATIVE = HERE / "native"  # native/<platform tuple>/navfmu_engine-<hash>.so
 SOURCE = HERE / "source"
-RUNTIME = HERE.parent / "export" / "runtime"  # FMI headers and the noise that FMUs use
+EXPORT = HERE.parent / "export"
+RUNTIME = EXPORT / "runtime"  # FMI headers and the noise that FMUs use
 UNITS = (*(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks")), RUNTIME / "noise.c")
 HEADERS = (
     *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects")),
@@ -24,27 +26,38 @@ HEADERS = (
 )
 
 
+def host() -> str:
+    """The platform tuple of this machine, such as ``x86_64-linux``."""
+    return next(name for name in platforms() if "-" in name)
+
+
 @cache
 def source_hash() -> str:
-    """Twelve hexadecimal digits that name the sources and flags."""
-    digest = hashlib.sha256(" ".join(toolchain.FLAGS).encode())
-    for path in (*UNITS, *HEADERS):
+    """Twelve hexadecimal digits that name the sources and how they are compiled."""
+    digest = hashlib.sha256()
+    for path in (*UNITS, *HEADERS, EXPORT / "toolchain.py"):
         digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()[:12]
 
 
-def binary(platform: str = "host") -> Path:
-    """The engine's library for a platform; built first if there is none of these sources."""
-    (target,) = toolchain.resolve(platform)
-    path = NATIVE / target / f"navfmu_engine-{source_hash()}{toolchain.suffix(target)}"
-    return path if path.exists() else _build(path, target)
+@cache
+def binary() -> Path:
+    """The engine's library for this machine; built first if there is none of these sources."""
+    path = NATIVE / host() / f"navfmu_engine-{source_hash()}{library_suffix()}"
+    return path if path.exists() else build(host())
 
 
-def _build(path: Path, target: str) -> Path:
+def build(platform: str) -> Path:
+    """The engine's library for a platform, compiled if there is none of these sources."""
+    from navfmu.export import toolchain
+
+    path = NATIVE / platform / f"navfmu_engine-{source_hash()}{toolchain.suffix(platform)}"
+    if path.exists():
+        return path
     try:
-        toolchain.compile_shared(UNITS, path, target, include=(SOURCE, RUNTIME))
+        toolchain.compile_shared(UNITS, path, platform, include=(SOURCE, RUNTIME))
     except NavfmuError as error:
-        raise NavfmuError(f"the engine has no binary for {target} and cannot be built: {error}") from None
+        raise NavfmuError(f"the engine has no binary for {platform} and cannot be built: {error}") from None
     except OSError as error:
         raise NavfmuError(f"the engine's binary cannot be written to {path.parent}: {error}") from None
     for old in path.parent.glob("navfmu_engine-*"):
@@ -53,6 +66,13 @@ def _build(path: Path, target: str) -> Path:
     return path
 
 
+def main(names: list[str]) -> None:
+    """Build for "host", "all" or the named platforms."""
+    from navfmu.export import toolchain
+
+    for platform in toolchain.resolve(names or "host"):
+        print(build(platform))
+
+
 if __name__ == "__main__":
-    for name in toolchain.resolve(sys.argv[1:] or "host"):
-        print(binary(name))
+    main(sys.argv[1:])

@@ -10,6 +10,7 @@ that PythonFMU would write.
 from __future__ import annotations
 
 import ast
+import importlib.metadata
 import sys
 from pathlib import Path
 
@@ -206,9 +207,17 @@ def module_text(component: type[Component], unique: str, categories: dict[str, s
     return "".join(lines) + loader
 
 
+def _license() -> str:
+    """Return the licence of PythonFMU, whose library and modules the twin contains."""
+    files = importlib.metadata.files("pythonfmu") or []
+    return next(file.read_text(encoding="utf-8") for file in files if file.name.upper().startswith("LICENSE"))
+
+
 def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     """Return the files of the archive: path to content."""
     import pythonfmu
+
+    from navfmu.export import documentation
 
     if "<locals>" in component.__qualname__ or "." in component.__qualname__:
         raise NavfmuError(
@@ -223,6 +232,8 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     entries = {
         "modelDescription.xml": xml.encode(),
         "model.png": archive.icon(model.name),
+        "documentation/index.html": documentation.page(model, None, [component]).encode(),
+        "documentation/licenses/pythonfmu.txt": _license().encode(),
         "resources/slavemodule.txt": unique.encode(),
         f"resources/{unique}.py": module_text(component, unique, categories).encode(),
     }

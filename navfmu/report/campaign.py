@@ -225,7 +225,8 @@ def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> N
     for signal in _signals(outcome):
         image = percentiles(outcome, runs, signal, case, label)
         if image is not None:
-            text = f"{signal} of {len(runs)} runs: median, 5th to 95th percentile, and the greatest."
+            many = f"{len(runs)} runs: median, 5th to 95th percentile, and the greatest"
+            text = f"{signal} of {many if len(runs) > 1 else 'one run'}."
             result.picture(image, f"{label}: {signal} over time", text)
     image = three_sigma(outcome, runs, shown, case, label)
     if image is not None:

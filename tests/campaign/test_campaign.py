@@ -171,7 +171,7 @@ def test_a_run_that_fails_is_a_row_and_not_the_end(tmp_path):
     ]
     assert not outcome.passed and sum(c.total for c in outcome.cells) == 3 * len(outcome.cells)
     cell = next(c for c in outcome.cells if c.case == "broken" and c.requirement.id == "R-1")
-    assert cell.held <= 2 and "1 runs ended with an error" in cell.sentence
+    assert cell.held <= 2 and "1 ended with an error" in cell.sentence
     assert "it broke" in (tmp_path / "out" / "report.html").read_text()
 
 
