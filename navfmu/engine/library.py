@@ -47,11 +47,11 @@ def binary() -> Path:
     return path if path.exists() else build(host())
 
 
-def build(platform: str) -> Path:
-    """The engine's library for a platform, compiled if there is none of these sources."""
+def build(platform: str, native: Path = NATIVE) -> Path:
+    """The engine's library for a platform in the folder ``native``, compiled if there is none of these sources."""
     from navfmu.export import toolchain
 
-    path = NATIVE / platform / f"navfmu_engine-{source_hash()}{toolchain.suffix(platform)}"
+    path = native / platform / f"navfmu_engine-{source_hash()}{toolchain.suffix(platform)}"
     if path.exists():
         return path
     try:
@@ -64,6 +64,13 @@ def build(platform: str) -> Path:
         if old != path:
             old.unlink(missing_ok=True)
     return path
+
+
+def build_all(native: Path = NATIVE) -> list[Path]:
+    """The engine's libraries for all platforms."""
+    from navfmu.export import toolchain
+
+    return [build(platform, native) for platform in toolchain.resolve("all")]
 
 
 def main(names: list[str]) -> None:

@@ -1,5 +1,7 @@
 """Progress, interruption and threads."""
 
+import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -9,6 +11,8 @@ import pytest
 from navfmu.engine import compiled, library
 from navfmu.engine.compiled import Compiled
 from navfmu.engine.plan import make_plan
+from navfmu.errors import NavfmuError
+from navfmu.export import toolchain
 from tests.engine.probe import chain, ring
 
 
@@ -63,12 +67,18 @@ def test_many_engines_are_made_and_freed():
 def test_the_binary_is_named_after_its_sources(monkeypatch):
     path = library.binary()
     assert library.source_hash() in path.name
-    assert path.parent.name == library.toolchain.host()
+    assert path.parent.name == library.host() == toolchain.host()
+    assert library.build(library.host()) == path
     monkeypatch.setattr(library, "source_hash", lambda: "0" * 12)
-    monkeypatch.setattr(library.toolchain, "compile_shared", refuse)
-    with pytest.raises(library.NavfmuError, match=r"the engine has no binary for .* and cannot be built: no compiler"):
-        library.binary()
+    monkeypatch.setattr(toolchain, "compile_shared", refuse)
+    with pytest.raises(NavfmuError, match=r"the engine has no binary for .* and cannot be built: no compiler"):
+        library.build(library.host())
 
 
 def refuse(*_args, **_options):
-    raise library.NavfmuError("no compiler")
+    raise NavfmuError("no compiler")
+
+
+def test_running_needs_neither_exporter_nor_compiler():
+    code = "import sys, navfmu.engine.compiled; print([m for m in sys.modules if m.startswith('navfmu.export')])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
