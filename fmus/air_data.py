@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
-
 import numpy as np
 
 from models import air_data, atmosphere, gauss_markov
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, start
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 
 class AirData(Component):
@@ -31,8 +29,10 @@ class AirData(Component):
     """
 
     name = "air_data"
-    example: ClassVar[dict[str, Any]] = {"altitude": 1500.0, "velocity_n": (46.3, 0.0, 0.0)}
-    example_steps: ClassVar[dict[str, Any]] = {"altitude": 300.0, "wind_n": (-10.0, 0.0, 0.0)}
+    example = Example(
+        {"altitude": 1500.0, "velocity_n": (46.3, 0.0, 0.0)},
+        steps={"altitude": 300.0, "wind_n": (-10.0, 0.0, 0.0)},
+    )
 
     altitude = Input("m", display_unit="ft", description="true height above the ellipsoid")
     velocity_n = Input(3, "m/s", display_unit="kn", description="true velocity over ground, north, east, down")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
-
 import numpy as np
 
 from fmus.flight_plans import FLIGHT_PLANS
 from models import aircraft, gauss_markov
 from models.flight_plan import GRID, LIMITS, SEGMENTS, FlightPlan, straight, turn
-from navfmu.export import Component, Input, Output, Parameter, State, every, require, start
+from navfmu.export import Component, Example, Input, Output, Parameter, State, every, require, start
 
 _PLAN = FLIGHT_PLANS["livermore"].parameters()
 _EXAMPLE = FlightPlan(
@@ -61,8 +59,7 @@ class Aircraft(Component):
     """
 
     name = "aircraft"
-    example: ClassVar[dict[str, Any]] = _EXAMPLE.parameters()
-    example_steps: ClassVar[dict[str, Any]] = {"wind_n": (0.0, 8.0, 0.0)}
+    example = Example(_EXAMPLE.parameters(), steps={"wind_n": (0.0, 8.0, 0.0)})
 
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
 

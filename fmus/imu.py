@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
-
 from fmus.grades import GRADES
 from models import gauss_markov, inertial
 from models.earth import STANDARD_GRAVITY
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, start
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 _DEFAULT = GRADES["automotive"]
 
@@ -34,7 +32,7 @@ class Imu(Component):
     """
 
     name = "imu"
-    example_steps: ClassVar[dict[str, Any]] = {"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)}
+    example = Example(steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)})
 
     specific_force = Input(
         3, "m/s2", start=(0.0, 0.0, -STANDARD_GRAVITY), description="true specific force in body axes"

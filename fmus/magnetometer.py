@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
-
 import numpy as np
 
 from models import attitude, magnetic_field, magnetometer
@@ -30,10 +28,10 @@ class Magnetometer(Component):
     """
 
     name = "magnetometer"
-    example: ClassVar[dict[str, Any]] = {"latitude": 0.6581, "longitude": -2.1262, "altitude": 1500.0, "heading": 1.0}
-    example_steps: ClassVar[dict[str, Any]] = {"heading": 0.5}
-
-    example = Example({"latitude": 0.66, "longitude": -2.125, "altitude": 2000.0}, steps={"heading": 1.5})
+    example = Example(
+        {"latitude": 0.6581, "longitude": -2.1262, "altitude": 1500.0, "heading": 1.0},
+        steps={"heading": 0.5},
+    )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")

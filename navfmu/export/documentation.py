@@ -13,6 +13,8 @@ from collections.abc import Iterable
 from types import FunctionType, ModuleType
 from typing import Any
 
+import numpy as np
+
 from navfmu import __version__
 from navfmu.export import ir
 from navfmu.export.description import display
@@ -103,7 +105,10 @@ def _image(png: bytes) -> str:
 def _caption(model: ir.Model, response: Response) -> str:
     words = f"{response.time[-1]:.6g} s from the start values"
     if response.example:
-        words += " with " + ", ".join(f"<code>{_escape(f'{n} = {v}')}</code>" for n, v in response.example.items())
+        short = {name: np.asarray(value).tolist() for name, value in response.example.items() if np.size(value) <= 3}
+        told = [f"<code>{_escape(f'{name} = {value}')}</code>" for name, value in short.items()]
+        told += ["values of its own for " + ", ".join(f"<code>{n}</code>" for n in response.example if n not in short)]
+        words += " with " + ", ".join(told if len(short) < len(response.example) else told[:-1])
     if response.stepped:
         heights: dict[str, list[str]] = {}
         units: dict[str, str] = {}
