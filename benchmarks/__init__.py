@@ -1,0 +1,11 @@
+"""Speed, as ratios measured in one run: one script for each claim, each also a command.
+
+    python -m benchmarks.ring       six first-order lags in a ring: master against master, the FMUs cost nothing
+    python -m benchmarks.flight     the backup navigator's flight, ten FMUs at 100 Hz
+    python -m benchmarks.imu_twin   the native IMU against its PythonFMU twin
+    python -m benchmarks.startup    navfmu run --help against bare Python
+    python -m benchmarks            all four, a table and benchmarks.json
+
+Each needs the FMUs of build_fmus.py. Contenders take turns, round after round, so that a disturbance of the machine
+hits all of them; a result is the median over the rounds.
+"""

@@ -1,0 +1,14 @@
+"""All benchmarks: ``python -m benchmarks [benchmarks.json]``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from benchmarks import flight, imu_twin, ring, startup
+from benchmarks.contest import show, write
+
+contests = [benchmark.run() for benchmark in (ring, flight, imu_twin, startup)]
+show(contests)
+if len(sys.argv) > 1:
+    write(contests, Path(sys.argv[1]))
