@@ -9,7 +9,18 @@ form of thesis (4.50) and (6.39): both print (H' P H + R).
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
+
+
+@cache
+def _triangle(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns of the packed elements, and for each element of the matrix its place in the packed form."""
+    rows, columns = np.triu_indices(n)
+    place = np.zeros((n, n), dtype=int)
+    place[rows, columns] = place[columns, rows] = np.arange(len(rows))
+    return rows, columns, place
 
 
 def order(upper) -> int:
@@ -19,23 +30,18 @@ def order(upper) -> int:
 
 def pack(matrix):
     """Upper triangle, row by row."""
-    rows, columns = np.triu_indices(np.shape(matrix)[-1])
+    rows, columns, _ = _triangle(np.shape(matrix)[-1])
     return matrix[..., rows, columns]
 
 
 def unpack(upper):
     """The symmetric matrix of a packed covariance."""
-    n = order(upper)
-    rows, columns = np.triu_indices(n)
-    place = np.zeros((n, n), dtype=int)
-    place[rows, columns] = place[columns, rows] = np.arange(len(rows))
-    return upper[..., place]
+    return upper[..., _triangle(order(upper))[2]]
 
 
 def diagonal(upper):
     """Variances of a packed covariance."""
-    n = order(upper)
-    return upper[..., np.array([i * n - i * (i - 1) // 2 for i in range(n)])]
+    return upper[..., np.diagonal(_triangle(order(upper))[2])]
 
 
 def of_variances(variances):
@@ -79,6 +85,6 @@ def update(correction, upper, row, variance, residual, use=True, gate=0.0):
     inside = np.logical_or(gate <= 0.0, innovation * innovation <= gate * gate * spread)
     taken = np.logical_and(use, inside)
     gain = np.where(taken, 1.0 / spread, 0.0)[..., None] * cross
-    rows, columns = np.triu_indices(order(upper))
+    rows, columns, _ = _triangle(order(upper))
     shift = np.where(taken, innovation, 0.0)[..., None] * gain
     return correction + shift, upper - gain[..., rows] * cross[..., columns], taken
