@@ -43,8 +43,7 @@ class TraceFrame(Frame):
         array = np.array(value)
         if not isinstance(array, trace.Traced):
             array = array.astype(object).view(trace.Traced)
-        if field.kind == "boolean":
-            array = array.astype(bool)
+        array = array.astype(bool if field.kind == "boolean" else float)
         array.setflags(write=False)
         return array
 

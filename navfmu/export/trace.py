@@ -438,7 +438,21 @@ def _object(x: Any) -> np.ndarray:
     return array
 
 
+def _uniform(elements: list) -> list:
+    """Return truth values only, or numbers only: an array has one type."""
+    truths = [is_boolean(e) for e in elements]
+    return [_number(e) for e in elements] if any(truths) and not all(truths) else elements
+
+
+def _all_boolean(array: np.ndarray) -> bool:
+    return array.size > 0 and all(is_boolean(e) for e in array.ravel().tolist())
+
+
 def _build(shape: tuple[int, ...], elements: list) -> Traced:
+    return _fill(shape, _uniform(elements))
+
+
+def _fill(shape: tuple[int, ...], elements: list) -> Traced:
     result = np.empty(len(elements), object)
     for i, element in enumerate(elements):
         result[i] = element
@@ -449,7 +463,7 @@ def _wrap(x: Any) -> Any:
     if isinstance(x, Scalar):
         return _build((), [x])
     if isinstance(x, np.ndarray):
-        return _object(x).view(Traced) if x.dtype == object else x
+        return _build(x.shape, _object(x).ravel().tolist()) if x.dtype == object else x
     if isinstance(x, tuple | list):
         return type(x)(_wrap(e) for e in x)
     return x
@@ -515,8 +529,8 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     fast = not kept or (array.ndim - 1) in axes  # NumPy adds pairwise along the fast axis only
     results = []
     for row in rows.reshape(-1, rows.shape[-1]).tolist():
-        if ufunc is np.add:
-            row = [e if not is_boolean(e) else _number(e) for e in row]
+        if ufunc in (np.add, np.multiply):
+            row = [_number(e) for e in row]
         elif ufunc in (np.logical_and, np.logical_or):
             row = [_truth(e) for e in row]
         if not row:
@@ -531,7 +545,7 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
 
 
 def _number(e: Any) -> Any:
-    return Scalar(e.sx) if type(e) is Scalar else float(e)
+    return e if not is_boolean(e) else Scalar(e.sx) if type(e) is Scalar else float(e)
 
 
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
@@ -539,11 +553,19 @@ def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
     rows = []
     for row in moved.reshape(-1, moved.shape[-1]).tolist():
+        row = [_number(e) for e in row]
         sums = row[:1]
         for element in row[1:]:
             sums.append(_apply(ufunc, (sums[-1], element)))
         rows.extend(sums)
     return np.moveaxis(_build(moved.shape, rows), -1, kwargs.get("axis", 0))
+
+
+def _product(function: Callable, a: Any, b: Any) -> Any:
+    a, b = _object(a), _object(b)
+    if _all_boolean(a) and _all_boolean(b):
+        refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
+    return _wrap(function(a, b))
 
 
 def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
@@ -553,7 +575,7 @@ def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
     if ufunc is not np.matmul and ufunc not in RULES:
         refuse(f"np.{ufunc.__name__} cannot be traced", "write it with the functions that can (see the tutorial)")
     if method == "__call__" and ufunc is np.matmul:
-        result = _wrap(np.matmul(*[_object(x) for x in inputs]))
+        result = _product(np.matmul, *inputs)
     elif method == "__call__":
         result = _elementwise(ufunc, inputs)
     elif method == "reduce":
@@ -585,6 +607,8 @@ def _np_where(condition: Any, *branches: Any) -> Any:
     arrays = [_object(x) for x in (condition, *branches)]
     shape = np.broadcast_shapes(*[a.shape for a in arrays])
     columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+    if not (_all_boolean(arrays[1]) and _all_boolean(arrays[2])):
+        columns[1:] = [[_number(e) for e in column] for column in columns[1:]]
     return _build(shape, [_where(*elements) for elements in zip(*columns, strict=True)])
 
 
@@ -644,12 +668,14 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.shape: lambda a: _object(a).shape,
     np.ndim: lambda a: _object(a).ndim,
     np.size: lambda a, axis=None: _object(a).size if axis is None else _object(a).shape[axis],
+    np.dot: lambda a, b, out=None: _product(np.dot, a, b),
+    np.inner: lambda a, b: _product(np.inner, a, b),
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
 }
 
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
 _STRUCTURAL = """
-concatenate stack vstack hstack dstack column_stack block cross outer dot inner einsum tensordot kron diag diagonal
+concatenate stack vstack hstack dstack column_stack block cross outer einsum tensordot kron diag diagonal
 diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
 hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval
@@ -716,7 +742,12 @@ class Traced(np.ndarray):
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         value = _object(value)
-        super().__setitem__(key, value.item() if value.ndim == 0 else value)
+        convert = _truth if _all_boolean(self) else _number
+        if value.ndim == 0:
+            super().__setitem__(key, convert(value.item()))
+        else:
+            elements = [convert(e) for e in value.ravel().tolist()]
+            super().__setitem__(key, _build(value.shape, elements).view(np.ndarray))
 
     def __iter__(self) -> Iterator[Traced]:
         return (self[i] for i in range(len(self)))
@@ -754,7 +785,7 @@ class Traced(np.ndarray):
         if kind == "b":
             return _build(self.shape, [_truth(e) for e in elements])
         if kind == "f" or all(is_boolean(e) for e in elements):
-            return _build(self.shape, [_number(e) if is_boolean(e) else e for e in elements])
+            return _build(self.shape, [_number(e) for e in elements])
         return np.trunc(self)
 
     def dot(self, other: Any) -> Traced:
@@ -781,7 +812,7 @@ _ARRAY = np.array
 def symbols(name: str, count: int, boolean: tuple[int, ...] = ()) -> tuple[ca.SX, Traced]:
     """Return a CasADi column of ``count`` symbols, and the same as a traced array (truth values where told)."""
     column = ca.SX.sym(name, count)
-    return column, _build((count,), [Scalar(column[i], i in boolean) for i in range(count)])
+    return column, _fill((count,), [Scalar(column[i], i in boolean) for i in range(count)])
 
 
 def expressions(array: Any) -> list[ca.SX]:
@@ -810,15 +841,16 @@ def tracing() -> Iterator[None]:
 
         def function(*args: Any, **kwargs: Any) -> Any:
             if args and contains_traced(args[0]):
-                value = _object(args[0])
-                return (value.copy() if name == "array" else value).view(Traced)
+                value = _wrap(_object(args[0]))
+                dtype = kwargs.get("dtype", args[1] if len(args) > 1 else None)
+                return value if dtype is None or np.dtype(dtype).kind == "O" else value.astype(dtype)
             return original(*args, **kwargs)
 
         return function
 
     def full(shape: Any, fill_value: Any, *args: Any, **kwargs: Any) -> Any:
         if contains_traced(fill_value):
-            return np.broadcast_to(np.asarray(fill_value), shape).copy()
+            return np.broadcast_to(np.array(fill_value, *args, **kwargs), shape).copy()
         return originals["full"](shape, fill_value, *args, **kwargs)
 
     try:

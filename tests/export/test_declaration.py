@@ -288,6 +288,26 @@ def test_failures_of_numpy_while_tracing_get_file_and_line():
         refused(lambda body=body: _run_in("traced", body), "plain NumPy", f"line {body.__code__.co_firstlineno + 1}")
 
 
+def test_a_truth_value_assigned_to_a_number_is_a_number_in_both_modes():
+    class Counter(Component):
+        """Adds truth values."""
+
+        T = Parameter("s", start=1.0)
+        u = Input("m", start=1.0)
+        n = Output("1")
+
+        @every("T")
+        def step(self):
+            self.n = self.u > 0
+            self.n = self.n + self.n
+
+    run = Interpreter(Counter)
+    run.setup()
+    run.do_step(0.0, 1.0)
+    assert run.get("n") == 2.0
+    assert float(lower(Counter).tasks[0].function([1.0, 1.0, 0.0], [], [1.0, 1.0], [])) == 2.0
+
+
 def test_requirements_are_over_parameters():
     class Wrong(Component):
         """Wrong."""

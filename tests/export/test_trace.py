@@ -95,6 +95,17 @@ EXACT = {
     "logic": (lambda a, b: np.logical_and(a > 0, b > 0) | np.logical_or(a > 1, b < 0) & ~(a < b) ^ (b > 0), A, B),
     "logic on numbers": (lambda a: np.logical_not(a) | np.logical_xor(a, a - a) | np.logical_and(a, 1), A),
     "truth values": (lambda t, a: np.where(t & (a > 0), a, 0) + t + t * a + (1 - t) + (t + t), T, A),
+    "truth values joined with numbers": (
+        lambda t, a: np.concatenate([t, a])[0] + np.array([t[0], 2.0])[0] + t[0],
+        T,
+        A,
+    ),
+    "choice of truth value or number": (lambda t, a: (lambda c: c + c)(np.where([True, True, False], t, a)), T, A),
+    "sums and products of truth values": (lambda t: np.cumsum(t) + np.cumsum(t[:1]) + np.prod(t[:1]) + t.sum(), T),
+    "truth values stored": (lambda t, a: _stored_truth(t, a), T, A),
+    "types on request": (lambda t, a: np.array(t, float) + np.array(t, dtype=float) + np.array(3 * a, int), T, A),
+    "truth on request": (lambda a: (lambda c: c + c)(np.array([a[0], 0.0, 3.0], bool)), A),
+    "full of a type": (lambda t: (lambda c: c + c)(np.full(2, t[0], float)), T),
     "any and all": (lambda a: np.array([np.any(a > 0), np.all(a > 0), (a > 9).any(), np.all(a < 9)]), A),
     "counting": (lambda a: np.sum(a > 0) + np.count_nonzero(a > 0) + np.cumsum(a > 0), A),
     "astype": (lambda t, a: t.astype(float) * a + (a > 0).astype(int) + (3 * a).astype(int), T, A),
@@ -123,6 +134,13 @@ def _assigned(a, s):
     b[1] = s
     b[2:] = a[:1]
     return b
+
+
+def _stored_truth(t, a):
+    b, c = ~t, 2 * a
+    b[0] = a[0]
+    c[1] = t[0]
+    return np.where(b, c + c, b + b)
 
 
 def _accumulated(a, s):
@@ -237,6 +255,7 @@ REFUSED = {
     "invert a number": (lambda a: ~a, "compare first"),
     "complex": (lambda a: complex(a[0]), "real"),
     "dict key": (lambda a: {a[0]: 1}, "np.where"),
+    "product of truth values": (lambda a: (a > 0) @ (a > 1), "astype(float)"),
     "difference of truth values": (lambda a: (a > 0) - (a > 1), "np.logical_xor"),
 }
 
