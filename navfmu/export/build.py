@@ -137,7 +137,7 @@ def _twin(component: type, lowered: list[ir.Model], folder: Path) -> Built:
 
     path = folder / f"{component.layout.name}.fmu"
     key = fingerprint(component, "twin")
-    if _take(key, path):
+    if key and _take(key, path):
         return Built(path, True)
     if not lowered:
         lowered.append(_lower(component))

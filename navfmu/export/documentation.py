@@ -106,7 +106,7 @@ def _caption(model: ir.Model, response: Response) -> str:
     words = f"{response.time[-1]:.6g} s from the start values"
     if response.example:
         short = {name: np.asarray(value).tolist() for name, value in response.example.items() if np.size(value) <= 3}
-        told = [f"<code>{_escape(f'{name} = {value}')}</code>" for name, value in short.items()]
+        told = [f"<code>{_escape(f'{name} = {_short(value)}')}</code>" for name, value in short.items()]
         told += ["values of its own for " + ", ".join(f"<code>{n}</code>" for n in response.example if n not in short)]
         words += " with " + ", ".join(told if len(short) < len(response.example) else told[:-1])
     if response.stepped:
@@ -126,6 +126,10 @@ def _caption(model: ir.Model, response: Response) -> str:
         names = ", ".join(f"<code>{name}</code>" for name in response.fed)
         words += f". New data arrives at every communication point in {names}"
     return f"<p>{words}.</p>"
+
+
+def _short(value: Any) -> str:
+    return f"[{', '.join(map(_short, value))}]" if isinstance(value, list) else f"{value:.6g}"
 
 
 def _base(name: str) -> str:

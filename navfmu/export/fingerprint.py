@@ -10,6 +10,8 @@ import sysconfig
 from functools import cache
 from pathlib import Path
 
+from navfmu.export.declaration import Component
+
 #: Files beside a model's modules that it may read, such as coefficients.
 _DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
 #: What turns sources into FMUs; another version is another FMU.
@@ -18,11 +20,19 @@ _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "pla
 _EXPORT = Path(__file__).parent
 
 
-def fingerprint(component: type, *parts: str) -> str:
+def fingerprint(component: type[Component], *parts: str) -> str | None:
     """Return a hash of a component's sources (its module and those it imports, data files beside them), of the
-    exporter, of the tools' versions and of ``parts``."""
+    exporter, of the tools' versions and of ``parts``.
+
+    None for a class inside a function: what it does may depend on that function's values.
+    """
+    if "<locals>" in component.__qualname__:
+        return None
     digest = hashlib.sha256()
-    for part in (component.__qualname__, *parts, _exporter()):
+    layout = component.layout  # its numbers may come from elsewhere than from the sources
+    tables = [(table.name, table.columns, table.rows.tobytes()) for table in layout.tables]
+    declared = repr((layout.variables, tables, getattr(component, "example", None)))
+    for part in (component.__qualname__, *parts, _exporter(), declared):
         digest.update(part.encode() + b"\0")
     modules = source_files(component.__module__)
     data = {file for folder in {m.parent for m in modules} for file in folder.iterdir() if file.suffix.lower() in _DATA}

@@ -13,8 +13,8 @@ import fmpy
 import pytest
 
 from navfmu import NavfmuError
+from navfmu.export import Component, Input, Output, Parameter, every, toolchain
 from navfmu.export import build as building
-from navfmu.export import toolchain
 from navfmu.export.build import build, build_all
 
 from .components import Sensor, Source, TwoRates
@@ -152,6 +152,29 @@ def test_wrong_calls_end_with_a_sentence_and_code_2(tmp_path, arguments, sentenc
     assert sentence in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "dist").exists()
+
+
+def make(gain, start):
+    """A component whose numbers do not stand in its source."""
+
+    class Scaled(Component):
+        """A factor times the input."""
+
+        x = Input("m", start=start, description="input")
+        sample_period = Parameter("s", start=0.1, min=0.01, description="period")
+        y = Output("m", description="output")
+
+        @every("sample_period")
+        def run(self):
+            self.y = gain * self.x
+
+    return Scaled
+
+
+def test_values_from_outside_the_source_are_never_taken_from_the_cache(tmp_path, empty_cache):
+    for gain, start in ((2.0, 1.0), (3.0, 1.0), (3.0, 5.0)):
+        (path,) = build(make(gain, start), tmp_path)
+        assert fmpy.simulate_fmu(str(path), stop_time=1.0, step_size=0.5)["y"][-1] == gain * start
 
 
 def test_two_components_of_one_name_are_refused(tmp_path):

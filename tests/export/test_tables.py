@@ -1,6 +1,9 @@
 """Tables in resources: found whatever the host calls the folder, refused with file and line when they are wrong."""
 
+import locale
 import shutil
+import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -81,10 +84,11 @@ def test_other_line_ends_empty_lines_and_notations_are_read(source):
     assert x_at_one(source) == 2.5
 
 
-def test_numbers_are_read_whatever_the_hosts_locale_is(source):
-    import locale
-
+def test_numbers_are_read_whatever_the_hosts_locale_is(source, tmp_path, monkeypatch):
     before = locale.setlocale(locale.LC_NUMERIC)
+    if shutil.which("localedef") and Path("/usr/share/i18n/locales/de_DE").is_file():
+        subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(tmp_path / "de_DE.UTF-8")], check=False)
+        monkeypatch.setenv("LOCPATH", str(tmp_path))
     for name in ("de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"):
         try:
             locale.setlocale(locale.LC_NUMERIC, name)
