@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir, trace
+from navfmu.export import ir, rules, trace
 from navfmu.export.declaration import Component, Field, Frame, Layout, Table, TaskDeclaration
 
 
@@ -51,7 +51,7 @@ class TraceFrame(Frame):
         return self.tables[table.name]
 
     def where(self) -> str:
-        return trace.location()
+        return rules.location()
 
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
@@ -86,7 +86,7 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
         raise
     except Exception as error:
         lines = traceback.extract_tb(sys.exc_info()[2])
-        line = next((f for f in reversed(lines) if not trace.is_foreign(f.filename)), None)
+        line = next((f for f in reversed(lines) if not rules.is_foreign(f.filename)), None)
         where = f"{line.filename}, line {line.lineno}" if line else place
         raise NavfmuError(
             f"{where}: component {layout.component.__name__}, {what}: {type(error).__name__}: {error}; "

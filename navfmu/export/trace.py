@@ -11,410 +11,14 @@ raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing b
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from navfmu.errors import NavfmuError
-
-_HERE = os.path.dirname(os.path.abspath(__file__))
-_SKIPPED = (_HERE, os.path.dirname(os.path.abspath(np.__file__)), "<__array_function__")
-_LARGEST = float(np.finfo(float).max)
-
-
-def is_foreign(filename: str) -> bool:
-    """Whether a frame of this file belongs to the exporter or to NumPy, and not to the model."""
-    return filename.startswith(_SKIPPED)
-
-
-def location() -> str:
-    """Return ``"file, line n"`` of the model's code that is running."""
-    frame = sys._getframe(1)
-    while frame is not None and is_foreign(frame.f_code.co_filename):
-        frame = frame.f_back
-    return f"{frame.f_code.co_filename}, line {frame.f_lineno}" if frame else "unknown place"
-
-
-def refuse(what: str, remedy: str) -> NoReturn:
-    """Raise the error for a construct that has no traced form."""
-    raise NavfmuError(f"{location()}: {what}; {remedy}")
-
-
-class Scalar:
-    """One traced number, and whether it is a truth value."""
-
-    __slots__ = ("boolean", "sx")
-    __array_priority__ = 1000.0
-    shape, ndim, size = (), 0, 1
-
-    def __init__(self, sx: ca.SX, boolean: bool = False) -> None:
-        self.sx = sx
-        self.boolean = boolean
-
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        return _ufunc(ufunc, method, inputs, kwargs)
-
-    def __array_function__(self, function: Callable, types: Any, args: tuple, kwargs: dict) -> Any:
-        return _function(function, args, kwargs)
-
-    def __bool__(self) -> bool:
-        refuse(
-            "the truth of a traced value is not known while tracing (if, while, and, or, not, min, max)",
-            "choose with np.where, np.logical_and, np.logical_or, np.logical_not, np.minimum or np.maximum",
-        )
-
-    def __float__(self) -> float:
-        refuse(
-            "a traced value has no float value (float(), math.*, or storing it in a float array)",
-            "use NumPy functions instead of float() and math.*, and build arrays with np.array([...]), np.stack, "
-            "np.concatenate or np.where instead of filling them",
-        )
-
-    def __int__(self) -> int:
-        refuse("a traced value has no int value", "use np.floor or np.rint, or compare it with np.where")
-
-    def __index__(self) -> int:
-        refuse("a traced value cannot be an index or a count", "select with np.where, or index with constants")
-
-    def __hash__(self) -> int:
-        refuse("a traced value cannot be a key of a dict or set", "select with np.where")
-
-    def __complex__(self) -> complex:
-        refuse("complex numbers are not traced", "write real and imaginary part as two real numbers")
-
-    def __round__(self, digits: int = 0) -> Any:
-        return _rint(self) if not digits else self.__int__()
-
-    def __repr__(self) -> str:
-        return f"Scalar({self.sx})"
-
-
-def _binary(rule: Callable, reflected: bool = False) -> Callable:
-    def method(self: Scalar, other: Any) -> Any:
-        if isinstance(other, np.ndarray):
-            return NotImplemented
-        if isinstance(other, np.generic):
-            other = other.item()
-        if not isinstance(other, Scalar | bool | int | float):
-            return NotImplemented
-        return rule(other, self) if reflected else rule(self, other)
-
-    return method
-
-
-# --- rules: elements (numbers or Scalars, at least one Scalar) to element -------------------------------------------
-
-
-def _sx(x: Any) -> Any:
-    return x.sx if type(x) is Scalar else float(x)
-
-
-def _constant(x: Any, value: float) -> bool:
-    return type(x) is not Scalar and x == value
-
-
-def is_boolean(x: Any) -> bool:
-    """Whether an element is a truth value."""
-    return x.boolean if type(x) is Scalar else isinstance(x, bool)
-
-
-def _add(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a + b
-        if a == 0 and not b.boolean:
-            return b
-    elif _constant(b, 0) and not a.boolean:
-        return a
-    return Scalar(_sx(a) + _sx(b))
-
-
-def _subtract(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a - b
-        if a == 0:
-            return _negative(b)
-    elif _constant(b, 0) and not a.boolean:
-        return a
-    return Scalar(_sx(a) - _sx(b))
-
-
-def _multiply(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a * b
-        a, b = b, a
-    if type(b) is not Scalar:
-        if b == 0:
-            return False if a.boolean and isinstance(b, bool) else 0.0
-        if b == 1 and (not a.boolean or isinstance(b, bool)):
-            return a
-        if b == -1:
-            return _negative(a)
-    return Scalar(_sx(a) * _sx(b), is_boolean(a) and is_boolean(b))
-
-
-def _divide(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar and type(b) is not Scalar:
-        return _fold(np.true_divide, a, b)
-    if _constant(a, 0):
-        return 0.0
-    if _constant(b, 1) and not a.boolean:
-        return a
-    return Scalar(_sx(a) / _sx(b))
-
-
-def _negative(a: Any) -> Any:
-    return Scalar(-a.sx) if type(a) is Scalar else -a
-
-
-def _power(a: Any, b: Any) -> Any:
-    if type(b) is not Scalar:
-        known = {0: lambda: 1.0, 1: lambda: _add(a, 0.0), 2: lambda: _multiply(a, a)}
-        known |= {0.5: lambda: Scalar(ca.sqrt(_sx(a))), -1: lambda: _divide(1.0, a)}
-        if b in known:
-            return known[b]()
-    return Scalar(ca.power(_sx(a), _sx(b)))
-
-
-def _fmod(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.fmod(_sx(a), _sx(b)))
-
-
-def _mod(a: Any, b: Any) -> Any:
-    """Remainder with the sign of the divisor, as ``np.mod`` and Python's ``%``."""
-    m = _fmod(a, b)
-    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
-    return _where(_and(_not_equal(m, 0.0), other_sign), _add(m, b), m)
-
-
-def _floor_divide(a: Any, b: Any) -> Any:
-    m = _fmod(a, b)
-    quotient = _divide(_subtract(a, m), b)
-    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
-    quotient = _where(_and(_not_equal(m, 0.0), other_sign), _subtract(quotient, 1.0), quotient)
-    low = Scalar(ca.floor(_sx(quotient)))
-    return _where(_less(0.5, _subtract(quotient, low)), _add(low, 1.0), low)
-
-
-def _rint(a: Any) -> Any:
-    low = Scalar(ca.floor(a.sx))
-    part = _subtract(a, low)
-    even = _equal(_fmod(low, 2.0), 0.0)
-    down = _or(_less(part, 0.5), _and(_equal(part, 0.5), even))
-    return _where(down, low, _add(low, 1.0))
-
-
-def _less(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.lt(_sx(a), _sx(b)), True)
-
-
-def _less_equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.le(_sx(a), _sx(b)), True)
-
-
-def _equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.eq(_sx(a), _sx(b)), True)
-
-
-def _not_equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.ne(_sx(a), _sx(b)), True)
-
-
-def _compare(ufunc: np.ufunc, rule: Callable, a: Any, b: Any) -> Any:
-    return rule(a, b) if Scalar in (type(a), type(b)) else _fold(ufunc, a, b)
-
-
-def _and(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    if type(b) is not Scalar:
-        return _truth(a) if b else False
-    return Scalar(ca.logic_and(a.sx, b.sx), True)
-
-
-def _or(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    if type(b) is not Scalar:
-        return True if b else _truth(a)
-    return Scalar(ca.logic_or(a.sx, b.sx), True)
-
-
-def _not(a: Any) -> Any:
-    return Scalar(ca.logic_not(a.sx), True) if type(a) is Scalar else not a
-
-
-def _truth(a: Any) -> Any:
-    if type(a) is not Scalar:
-        return bool(a)
-    return a if a.boolean else _not_equal(a, 0.0)
-
-
-def _xor(a: Any, b: Any) -> Any:
-    return _not_equal(_truth(a), _truth(b))
-
-
-def _where(c: Any, a: Any, b: Any) -> Any:
-    if type(c) is not Scalar:
-        return a if c else b
-    both = is_boolean(a) and is_boolean(b)
-    if a is b or (type(a) is not Scalar and type(b) is not Scalar and a == b):
-        return a
-    if both and a is True and b is False:
-        return _truth(c)
-    return Scalar(ca.if_else(c.sx, _sx(a), _sx(b)), both)
-
-
-def _maximum(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    take = _less(a, b) if type(b) is not Scalar else _or(_less(a, b), _not_equal(b, b))
-    return _where(take, b, a)
-
-
-def _minimum(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    take = _less(b, a) if type(b) is not Scalar else _or(_less(b, a), _not_equal(b, b))
-    return _where(take, b, a)
-
-
-def _clip(x: Any, low: Any, high: Any) -> Any:
-    x = _maximum(x, low) if Scalar in (type(x), type(low)) else max(x, low)
-    return _minimum(x, high) if Scalar in (type(x), type(high)) else min(x, high)
-
-
-def _logical(rule: Callable, name: str) -> Callable:
-    def checked(*elements: Any) -> Any:
-        if not all(is_boolean(e) for e in elements):
-            refuse(f"{name} is traced for truth values only", "compare first, or use np.logical_and, np.logical_or")
-        return rule(*elements)
-
-    return checked
-
-
-def _plain(function: Callable) -> Callable:
-    return lambda *elements: Scalar(function(*[_sx(e) for e in elements]))
-
-
-def _swapped(rule: Callable) -> Callable:
-    return lambda a, b: rule(b, a)
-
-
-RULES: dict[np.ufunc, Callable] = {
-    np.add: _add,
-    np.subtract: _subtract,
-    np.multiply: _multiply,
-    np.true_divide: _divide,
-    np.negative: _negative,
-    np.positive: lambda a: a,
-    np.power: _power,
-    np.float_power: _power,
-    np.square: lambda a: _multiply(a, a),
-    np.reciprocal: lambda a: _divide(1.0, a),
-    np.fmod: _fmod,
-    np.remainder: _mod,
-    np.floor_divide: _floor_divide,
-    np.absolute: _plain(ca.fabs),
-    np.fabs: _plain(ca.fabs),
-    np.sign: _plain(ca.sign),
-    np.copysign: _plain(ca.copysign),
-    np.floor: _plain(ca.floor),
-    np.ceil: _plain(ca.ceil),
-    np.trunc: lambda a: _where(_less(a, 0.0), Scalar(ca.ceil(a.sx)), Scalar(ca.floor(a.sx))),
-    np.rint: _rint,
-    np.sqrt: _plain(ca.sqrt),
-    np.exp: _plain(ca.exp),
-    np.expm1: _plain(ca.expm1),
-    np.exp2: lambda a: Scalar(ca.power(2.0, a.sx)),
-    np.log: _plain(ca.log),
-    np.log1p: _plain(ca.log1p),
-    np.log2: lambda a: Scalar(ca.log(a.sx) / float(np.log(2.0))),
-    np.log10: _plain(ca.log10),
-    np.sin: _plain(ca.sin),
-    np.cos: _plain(ca.cos),
-    np.tan: _plain(ca.tan),
-    np.arcsin: _plain(ca.asin),
-    np.arccos: _plain(ca.acos),
-    np.arctan: _plain(ca.atan),
-    np.arctan2: _plain(ca.atan2),
-    np.sinh: _plain(ca.sinh),
-    np.cosh: _plain(ca.cosh),
-    np.tanh: _plain(ca.tanh),
-    np.arcsinh: _plain(ca.asinh),
-    np.arccosh: _plain(ca.acosh),
-    np.arctanh: _plain(ca.atanh),
-    np.hypot: _plain(ca.hypot),
-    np.deg2rad: lambda a: _multiply(a, np.pi / 180.0),
-    np.radians: lambda a: _multiply(a, np.pi / 180.0),
-    np.rad2deg: lambda a: _multiply(a, 180.0 / np.pi),
-    np.degrees: lambda a: _multiply(a, 180.0 / np.pi),
-    np.maximum: _maximum,
-    np.minimum: _minimum,
-    np.fmax: _plain(ca.fmax),
-    np.fmin: _plain(ca.fmin),
-    np._core.umath.clip: _clip,
-    np.less: _less,
-    np.less_equal: _less_equal,
-    np.greater: _swapped(_less),
-    np.greater_equal: _swapped(_less_equal),
-    np.equal: _equal,
-    np.not_equal: _not_equal,
-    np.logical_and: _and,
-    np.logical_or: _or,
-    np.logical_not: _not,
-    np.logical_xor: _xor,
-    np.bitwise_and: _logical(_and, "&"),
-    np.bitwise_or: _logical(_or, "|"),
-    np.bitwise_xor: _logical(_xor, "^"),
-    np.invert: _logical(_not, "~"),
-    np.isfinite: lambda a: Scalar(ca.le(ca.fabs(a.sx), _LARGEST), True),
-    np.isinf: lambda a: Scalar(ca.lt(_LARGEST, ca.fabs(a.sx)), True),
-    np.isnan: lambda a: Scalar(ca.ne(a.sx, a.sx), True),
-}
-
-for _name, _rule in {
-    "add": _add,
-    "sub": _subtract,
-    "mul": _multiply,
-    "truediv": _divide,
-    "pow": _power,
-    "mod": _mod,
-    "floordiv": _floor_divide,
-    "and": RULES[np.bitwise_and],
-    "or": RULES[np.bitwise_or],
-    "xor": RULES[np.bitwise_xor],
-}.items():
-    setattr(Scalar, f"__{_name}__", _binary(_rule))
-    setattr(Scalar, f"__r{_name}__", _binary(_rule, reflected=True))
-for _name, _ufunc_ in {
-    "lt": np.less,
-    "le": np.less_equal,
-    "gt": np.greater,
-    "ge": np.greater_equal,
-    "eq": np.equal,
-    "ne": np.not_equal,
-}.items():
-    setattr(Scalar, f"__{_name}__", _binary(RULES[_ufunc_]))
-Scalar.__neg__ = _negative
-Scalar.__pos__ = lambda self: self
-Scalar.__abs__ = RULES[np.absolute]
-Scalar.__invert__ = RULES[np.invert]
-
-
-def _fold(ufunc: np.ufunc, *constants: Any) -> Any:
-    with np.errstate(all="ignore"):
-        return ufunc(*constants).item()
-
-
-# --- arrays ----------------------------------------------------------------------------------------------------------
+from navfmu.export.rules import RULES, Scalar, add, expression, fold, is_boolean, number, refuse, truth, where
 
 
 def _unwrap(element: Any) -> Any:
@@ -441,7 +45,7 @@ def _object(x: Any) -> np.ndarray:
 def _uniform(elements: list) -> list:
     """Return truth values only, or numbers only: an array has one type."""
     truths = [is_boolean(e) for e in elements]
-    return [_number(e) for e in elements] if any(truths) and not all(truths) else elements
+    return [number(e) for e in elements] if any(truths) and not all(truths) else elements
 
 
 def _all_boolean(array: np.ndarray) -> bool:
@@ -481,7 +85,7 @@ def contains_traced(x: Any) -> bool:
 def _apply(ufunc: np.ufunc, elements: tuple) -> Any:
     if any(type(e) is Scalar for e in elements):
         return RULES[ufunc](*elements)
-    return _fold(ufunc, *elements)
+    return fold(ufunc, *elements)
 
 
 def _elementwise(ufunc: np.ufunc, inputs: tuple) -> Traced:
@@ -510,11 +114,11 @@ def _pairwise(elements: list) -> Any:
     if n <= 128:
         r, whole = elements[:8], n - n % 8
         for i in range(8, whole, 8):
-            r = [_add(a, b) for a, b in zip(r, elements[i : i + 8], strict=True)]
-        pairs = [_add(r[i], r[i + 1]) for i in range(0, 8, 2)]
-        return _fold_list(np.add, [_add(_add(pairs[0], pairs[1]), _add(pairs[2], pairs[3])), *elements[whole:]])
+            r = [add(a, b) for a, b in zip(r, elements[i : i + 8], strict=True)]
+        pairs = [add(r[i], r[i + 1]) for i in range(0, 8, 2)]
+        return _fold_list(np.add, [add(add(pairs[0], pairs[1]), add(pairs[2], pairs[3])), *elements[whole:]])
     half = n // 2 - (n // 2) % 8
-    return _add(_pairwise(elements[:half]), _pairwise(elements[half:]))
+    return add(_pairwise(elements[:half]), _pairwise(elements[half:]))
 
 
 _EMPTY = {np.add: 0.0, np.multiply: 1.0, np.logical_and: True, np.logical_or: False}
@@ -530,9 +134,9 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     results = []
     for row in rows.reshape(-1, rows.shape[-1]).tolist():
         if ufunc in (np.add, np.multiply):
-            row = [_number(e) for e in row]
+            row = [number(e) for e in row]
         elif ufunc in (np.logical_and, np.logical_or):
-            row = [_truth(e) for e in row]
+            row = [truth(e) for e in row]
         if not row:
             results.append(_EMPTY[ufunc])
         else:
@@ -544,16 +148,12 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     return result if initial is np._NoValue or initial is None else ufunc(result, initial)
 
 
-def _number(e: Any) -> Any:
-    return e if not is_boolean(e) else Scalar(e.sx) if type(e) is Scalar else float(e)
-
-
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     array = _object(array)
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
     rows = []
     for row in moved.reshape(-1, moved.shape[-1]).tolist():
-        row = [_number(e) for e in row]
+        row = [number(e) for e in row]
         sums = row[:1]
         for element in row[1:]:
             sums.append(_apply(ufunc, (sums[-1], element)))
@@ -608,8 +208,8 @@ def _np_where(condition: Any, *branches: Any) -> Any:
     shape = np.broadcast_shapes(*[a.shape for a in arrays])
     columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
     if not (_all_boolean(arrays[1]) and _all_boolean(arrays[2])):
-        columns[1:] = [[_number(e) for e in column] for column in columns[1:]]
-    return _build(shape, [_where(*elements) for elements in zip(*columns, strict=True)])
+        columns[1:] = [[number(e) for e in column] for column in columns[1:]]
+    return _build(shape, [where(*elements) for elements in zip(*columns, strict=True)])
 
 
 def _np_select(conditions: list, choices: list, default: Any = 0) -> Any:
@@ -742,7 +342,7 @@ class Traced(np.ndarray):
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         value = _object(value)
-        convert = _truth if _all_boolean(self) else _number
+        convert = truth if _all_boolean(self) else number
         if value.ndim == 0:
             super().__setitem__(key, convert(value.item()))
         else:
@@ -783,9 +383,9 @@ class Traced(np.ndarray):
         kind = np.dtype(dtype).kind
         elements = self.ravel().tolist()
         if kind == "b":
-            return _build(self.shape, [_truth(e) for e in elements])
+            return _build(self.shape, [truth(e) for e in elements])
         if kind == "f" or all(is_boolean(e) for e in elements):
-            return _build(self.shape, [_number(e) for e in elements])
+            return _build(self.shape, [number(e) for e in elements])
         return np.trunc(self)
 
     def dot(self, other: Any) -> Traced:
@@ -806,6 +406,8 @@ class Traced(np.ndarray):
     searchsorted = _refused("searchsorted", "look the row up with a Table")
 
 
+Scalar.__array_ufunc__ = Traced.__array_ufunc__  # a lone element answers NumPy as an array does
+Scalar.__array_function__ = Traced.__array_function__
 _ARRAY = np.array
 
 
@@ -817,7 +419,7 @@ def symbols(name: str, count: int, boolean: tuple[int, ...] = ()) -> tuple[ca.SX
 
 def expressions(array: Any) -> list[ca.SX]:
     """Return the elements of an array, in C order, as CasADi expressions."""
-    return [ca.SX(_sx(e)) for e in _object(array).ravel().tolist()]
+    return [ca.SX(expression(e)) for e in _object(array).ravel().tolist()]
 
 
 @contextmanager
