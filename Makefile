@@ -15,7 +15,7 @@ test: $(READY)
 	@$(BIN)/python -m pytest -n $(JOBS) -q
 
 evidence: build
-	@$(BIN)/python -m benchmarks.evidence --out results/evidence
+	@$(BIN)/python -m evidence --out results/evidence
 
 wheel: $(READY)
 	@$(BIN)/python -m tools.wheel --out dist

@@ -1,0 +1,43 @@
+"""``python -m evidence [NAME ...] --out DIR``: do the long runs and write one report."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import time
+from pathlib import Path
+
+import click
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.files import write_file
+from navfmu.report.page import Page
+
+SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "speed")
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--out", default="results/evidence", show_default=True, help="Folder of runs and report.")
+def main(names: tuple[str, ...], out: str) -> None:
+    """Show what the project claims: headline, step_sizes, closure, real_flights, speed; all, or those NAMEd."""
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    page = Page("navfmu: evidence", "What the project claims, measured by the long runs of this repository.")
+    try:
+        for name in names or SECTIONS:
+            if name not in SECTIONS:
+                raise NavfmuError(f"there is no section '{name}'{nearest(name, SECTIONS)} ({', '.join(SECTIONS)})")
+            began = time.monotonic()
+            importlib.import_module(f"evidence.{name}").run(folder, page)
+            click.echo(f"{name}: {time.monotonic() - began:.0f} s")
+    except NavfmuError as error:
+        click.echo(f"evidence: {error}", err=True)
+        sys.exit(2)
+    report = folder / "evidence.html"
+    write_file(report, page.html().encode())
+    click.echo(f"report: {report}")
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m evidence")

@@ -1,0 +1,53 @@
+"""The step-size sweep of the flight: 2 ms to 1 s, both algorithms, the same noise at every step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from navfmu.progress import Progress
+from navfmu.report.page import Page
+from navfmu.report.sweep import picture
+from navfmu.sweep import ALGORITHMS, sweep, write
+from navfmu.system import System
+
+STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+SIGNALS = (
+    "aircraft.latitude",
+    "imu.reading.rate",
+    "ahrs.attitude.heading",
+    "air_data.air.true_airspeed",
+    "navigator.solution.latitude",
+    "navigator.solution.longitude",
+    "navigator.north_sigma",
+    "navigator.east_sigma",
+    "evaluation.horizontal_error",
+)
+
+
+def run(out: Path, page: Page) -> None:
+    """Sweep, with GPS lost at minute 5; the full table is in ``out``/step_sizes."""
+    system = System.load("backup_navigator", "scanning")
+    with Progress("step sizes") as progress:
+        result = sweep(system, STEPS, signals=SIGNALS, stop=900.0, seed=1, faults="gps_lost", progress=progress)
+    write(result, out / "step_sizes")
+    page.heading("Communication step size")
+    page.text(result.recommendation())
+    page.picture(picture(result), "Error against communication step size, log-log, Jacobi and Gauss-Seidel")
+    page.table(
+        ["signal", *(f"order, {a}" for a in ALGORITHMS)],
+        [[name, *("-" if (p := result.slope(a, name)) is None else f"{p:.2f}" for a in ALGORITHMS)]
+         for name in result.signals],
+    )  # fmt: skip
+    page.text("rms change of the filter's reported sigma against the smallest step, m:")
+    sigmas = ("navigator.north_sigma", "navigator.east_sigma")
+    page.table(
+        ["signal", "algorithm", *(f"{step:g} s" for step in STEPS[1:])],
+        [[name, a, *(f"{row.rms:.3g}" for row in result.of(a, name) if row.step > STEPS[0])]
+         for name in sigmas for a in ALGORITHMS],
+    )  # fmt: skip
+    page.text("Samples lost because the step was longer than the measurement period:")
+    page.table(
+        ["counter", "algorithm", *(f"{step:g} s" for step in STEPS)],
+        [[name, a, *(str(counts[a, step]) for step in STEPS)] for name, counts in result.lost.items()
+         for a in ALGORITHMS],
+    )  # fmt: skip
