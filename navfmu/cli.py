@@ -49,10 +49,10 @@ class _Commands(click.Group):
             return super().main(*args, **kwargs)
         except NavfmuError as error:
             click.echo(f"navfmu: {error}", err=True)
+            sys.exit(error.exit_code)
         except BrokenPipeError:  # the reader of our output went away, as "head" does
             sys.stderr.close()
             sys.exit(1)
-        sys.exit(2)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -68,7 +68,8 @@ def _system_options(command: Callable) -> Callable:
         click.option("--variant", metavar="V", help="A sibling of the main system."),
         click.option("--set", "assignments", multiple=True, metavar="COMPONENT.PARAMETER=VALUE",
                      help="Change a parameter; a unit may follow the value: 'imu.gyro_drift_sigma=1 deg/h'."),
-        click.option("--faults", metavar="FILE", help="Fault file (TOML), or the name of one inside the system."),
+        click.option("--faults", multiple=True, metavar="FILE",
+                     help="Fault file (TOML), or the name of one inside the system; may be repeated."),
         click.option("--stop", type=float, metavar="S", help="End of the run, s."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
     ]  # fmt: skip
@@ -100,7 +101,7 @@ def run(
     system: str,
     variant: str | None,
     assignments: tuple[str, ...],
-    faults: str | None,
+    faults: tuple[str, ...],
     stop: float | None,
     seed: int | None,
     step: float | None,
@@ -152,7 +153,7 @@ def sweep(
     system: str,
     variant: str | None,
     assignments: tuple[str, ...],
-    faults: str | None,
+    faults: tuple[str, ...],
     stop: float | None,
     seed: int | None,
     steps: str,

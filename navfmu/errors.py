@@ -13,6 +13,8 @@ class NavfmuError(Exception):
     without a traceback and exits with code 2.
     """
 
+    exit_code = 2
+
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the known name nearest to ``name``, or an empty string."""

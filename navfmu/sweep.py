@@ -148,7 +148,7 @@ def sweep(
     signals: Sequence[str] | None = None,
     stop: float | None = None,
     seed: int | None = None,
-    faults: str | Path | Sequence[Fault] | None = None,
+    faults: str | Path | Sequence[str | Path | Fault] | None = None,
     parameters: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
     jobs: int | None = None,

@@ -105,7 +105,7 @@ class System:
         step: float | None = None,
         algorithm: str = "gauss_seidel",
         seed: int | None = None,
-        faults: str | Path | Sequence[Fault] | None = None,
+        faults: str | Path | Sequence[str | Path | Fault] | None = None,
         record: Sequence[str] | None = None,
         record_period: float | None = None,
         parameters: Mapping[str, Any] | None = None,
@@ -134,7 +134,7 @@ class System:
         step: float | None = None,
         algorithm: str = "gauss_seidel",
         seed: int | None = None,
-        faults: str | Path | Sequence[Fault] | None = None,
+        faults: str | Path | Sequence[str | Path | Fault] | None = None,
         record: Sequence[str] | None = None,
         record_period: float | None = None,
         parameters: Mapping[str, Any] | None = None,
@@ -180,15 +180,19 @@ class System:
         frame.attrs["provenance"] = self._provenance(plan, seed, parameters or {}, faults, engine)
         return frame
 
-    def faults(self, faults: str | Path | Sequence[Fault] | None) -> list[Fault]:
-        """Faults from a file (also by its name inside the system's package), or as they are."""
+    def faults(self, faults: str | Path | Sequence[str | Path | Fault] | None) -> list[Fault]:
+        """Faults from files (also by their names inside the system's package), and those given as they are."""
         from navfmu.faults import load_faults
 
-        if faults is None:
-            return []
-        if isinstance(faults, (str, Path)):
-            return load_faults(self.attachment("faults", faults))
-        return list(faults)
+        given = [faults] if isinstance(faults, (str, Path)) else faults or ()
+        found: list[Fault] = []
+        for entry in given:
+            found += load_faults(self.attachment("faults", entry)) if isinstance(entry, (str, Path)) else [entry]
+        ids = [fault.id for fault in found]
+        for fault in found:
+            if ids.count(fault.id) > 1:
+                raise NavfmuError(f"two faults have the id '{fault.id}'; give them different ones")
+        return found
 
     def attachment(self, kind: str, name: str | Path) -> Path:
         """A file by path, or by its name among the package's own: ``extra/faults/gps_lost.toml`` by "gps_lost"."""

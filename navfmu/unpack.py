@@ -13,15 +13,18 @@ import shutil
 import stat
 import sys
 import tempfile
+import time
 import zipfile
 import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 from navfmu.errors import NavfmuError
 
 MAX_FILES = 20_000
 MAX_BYTES = 2 * 1024**3
+KEEP = 30 * 86400.0  # s
 
 
 def cache_directory() -> Path:
@@ -104,12 +107,12 @@ def check_entries(archive: zipfile.ZipFile, path: Path) -> list[zipfile.ZipInfo]
     return [entry for entry in entries if not entry.is_dir()]
 
 
-def unpack(
-    path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = lambda name: True, label: str = ""
-) -> Path:
+def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = lambda name: True) -> Path:
     """Unpack the wanted entries of an archive whose content hash is ``digest``; return the folder in the cache."""
-    folder = cache_directory() / kind.lower() / (digest[:32] + label)
+    folder = cache_directory() / kind.lower() / digest[:32]
     if folder.is_dir():
+        with suppress(OSError):
+            os.utime(folder)  # in use
         return folder
     with open_archive(path, kind) as archive:
         entries = check_entries(archive, path)
@@ -127,6 +130,7 @@ def unpack(
                 if wanted(entry.filename):
                     budget -= _extract(archive, entry, temporary, path, budget)
             _publish(temporary, folder)
+            _forget_old(folder.parent)
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
     return folder
@@ -156,3 +160,11 @@ def _publish(temporary: Path, folder: Path) -> None:
     except OSError:
         if not folder.is_dir():  # another process or thread may have been first, with the same content
             raise
+
+
+def _forget_old(folder: Path) -> None:
+    """Remove what nobody has used for a while: each build of an FMU leaves a folder here."""
+    with suppress(OSError):
+        for entry in folder.iterdir():
+            if time.time() - entry.stat().st_mtime > KEEP:
+                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()

@@ -77,6 +77,7 @@ class Case:
     name: str
     description: str = ""
     faults: tuple[Fault, ...] = ()
+    files: tuple[str, ...] = ()  # where the faults are from, as the command line takes them
     parameters: dict[str, Any] = field(default_factory=dict)
 
 
@@ -248,8 +249,8 @@ class _File:
                 raise self.error("this case has no 'name'", "name", "case", index)
             if name in (case.name for case in cases):
                 raise self.error(f"there are two cases named '{name}'", "name", "case", index)
-            faults = self.faults(system, entry.get("faults", []), index)
-            cases.append(Case(name, entry.get("description", ""), faults, entry.get("parameters", {})))
+            faults, files = self.faults(system, entry.get("faults", []), index)
+            cases.append(Case(name, entry.get("description", ""), faults, files, entry.get("parameters", {})))
         return tuple(cases)
 
     def tables(self, key: str) -> list[dict[str, Any]]:
@@ -258,19 +259,21 @@ class _File:
             raise self.error(f"'{key}' is written as tables: [[{key}]]", key)
         return entries
 
-    def faults(self, system: System, files: str | list[Any], index: int) -> tuple[Fault, ...]:
+    def faults(self, system: System, given: str | list[Any], index: int) -> tuple[tuple[Fault, ...], tuple[str, ...]]:
+        """The faults of a case, and where they are from."""
         faults: list[Fault] = []
-        for name in self.names("faults", [files] if isinstance(files, str) else files, "case", index):
+        files: list[str] = []
+        for name in self.names("faults", [given] if isinstance(given, str) else given, "case", index):
             beside = self.path.parent / name
             path = beside if beside.is_file() else system.attachment("faults", name)
             if not path.is_file():
                 raise self.error(f"there is no fault file '{name}'", "faults", "case", index)
             faults += load_faults(path)
-        ids = [fault.id for fault in faults]
-        for fault_id in ids:
-            if ids.count(fault_id) > 1:
-                raise self.error(f"the fault '{fault_id}' comes from two files", "faults", "case", index)
-        return tuple(faults)
+            files.append(str(beside) if beside.is_file() else name)
+        try:
+            return tuple(system.faults(faults)), tuple(files)
+        except NavfmuError as error:
+            raise self.error(str(error), "faults", "case", index) from None
 
     def requirements(
         self, system: System, variants: tuple[str, ...], cases: tuple[Case, ...], stop: float

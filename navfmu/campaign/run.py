@@ -111,7 +111,7 @@ def command_of(campaign: Campaign, run: Run) -> str:
         words += ["--variant", run.variant]
     for name, value in (campaign.parameters | run.case.parameters).items():
         words += ["--set", f"{name}={value}"]
-    for file in dict.fromkeys(fault.where.rpartition(", line")[0] for fault in run.case.faults):
+    for file in run.case.files:
         words += ["--faults", file]
     words += ["--stop", f"{campaign.stop:g}", "--step", f"{campaign.step:g}", "--algorithm", campaign.algorithm]
     return shlex.join([*words, "--seed", str(run.seed)])
@@ -141,6 +141,8 @@ def run_campaign(
 
 class Interrupted(NavfmuError):
     """The user stopped a campaign."""
+
+    exit_code = 130  # as shells have it for Ctrl-C
 
 
 def _execute(campaign: Campaign, missing: list[Run], folder: Path, jobs: int, board: _Board) -> None:

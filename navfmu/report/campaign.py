@@ -6,12 +6,14 @@ import csv
 import io
 import json
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from navfmu.campaign.file import Case
+from navfmu.campaign.navigation import statistics
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.run import command_of
@@ -36,6 +38,7 @@ def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Pa
     write_file(folder / "runs.csv", _csv(rows))
     _write_parquet(rows, folder / "runs.parquet", about)
     write_file(folder / "verdicts.csv", _csv(_verdicts(outcome)))
+    write_file(folder / "statistics.csv", _csv([asdict(row) for row in statistics(outcome)]))
     write_file(folder / "campaign.json", json.dumps(about, indent=2) + "\n")
     return write_file(folder / "report.html", page(outcome, about, note).html())
 
@@ -123,6 +126,7 @@ def page(outcome: Outcome, about: dict[str, Any], note: Note | None = None) -> P
         f"{campaign.stop:g} s in steps of {campaign.step:g} s, {campaign.algorithm}",
     )
     _verdict_section(result, outcome)
+    _statistics_section(result, outcome)
     _case_section(result, outcome)
     _failures(result, outcome)
     chosen, count = pictured(outcome), len(campaign.systems) * len(campaign.cases)
@@ -187,6 +191,31 @@ def _in_words(requirement: Requirement) -> str:
     severity = f" ({requirement.severity})" if requirement.severity else ""
     more = f". {requirement.description}" if requirement.description else ""
     return f"{requirement.id}{severity}: {requirement.sentence}{more}"
+
+
+def _statistics_section(result: Page, outcome: Outcome) -> None:
+    """Error, bound and what the filter itself predicts, for navigation systems."""
+    rows = statistics(outcome)
+    if not rows:
+        return
+    result.heading("Horizontal error over all runs")
+    result.text(
+        "Median and 95th percentile are taken over the runs at each time; shown is the worst time. 'Predicted' is the "
+        "share of time beyond the limit that the filter's own covariance gives; an honest filter predicts what happens."
+    )
+    result.table(
+        [
+            "variant", "case", "runs", "median, m", "at s", "95th percentile, m", "at s", "limit, m",
+            "time beyond, %", "predicted, %", "runs ever beyond", "inside 3 sigma, %",
+        ],
+        [
+            [
+                s.variant, s.case, s.runs, f"{s.median:.0f}", f"{s.median_time:g}", f"{s.high:.0f}", f"{s.high_time:g}",
+                f"{s.limit:.0f}", f"{s.above:.1f}", f"{s.predicted:.1f}", f"{s.ever} of {s.runs}", f"{s.inside:.1f}",
+            ]
+            for s in rows
+        ],
+    )  # fmt: skip
 
 
 def _case_section(result: Page, outcome: Outcome) -> None:

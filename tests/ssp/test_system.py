@@ -135,3 +135,14 @@ def test_importing_the_package_is_cheap():
     script = "import sys, navfmu; print([m for m in ('numpy', 'pandas', 'fmpy', 'lxml', 'click') if m in sys.modules])"
     out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
     assert out.strip() == "[]"
+
+
+def test_faults_from_several_files_act_together(tracker, tmp_path):
+    file = tmp_path / "more.toml"
+    file.write_text('[[fault]]\nid = "F2"\ntarget = "lag.y"\ntype = "bias"\nvalue = 1.0\n')
+    frame = tracker.run(faults=["stuck", file], record=["lag.y", "lag.y@true", "sensor.reading.length"])
+    assert (frame["lag.y"] - frame["lag.y@true"]).to_numpy() == pytest.approx(1.0)
+    assert frame.loc[7.0, "sensor.reading.length"] == 3.0
+    assert [fault["id"] for fault in frame.attrs["provenance"]["faults"]] == ["F1", "F2"]
+    with pytest.raises(NavfmuError, match="two faults have the id 'F1'"):
+        tracker.run(faults=["stuck", "stuck"])
