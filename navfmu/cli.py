@@ -192,7 +192,7 @@ def sweep(
 @main.command()
 @click.argument("file")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at the same time; default: one per core.")
-@click.option("--out", metavar="DIR", help="Folder of results and report; default: results/NAME beside this folder.")
+@click.option("--out", metavar="DIR", help="Folder of results and report; default: results/NAME.")
 @click.option("--seeds", metavar="1-8", help="Use these seeds instead of those in the file.")
 @click.option("--strict", is_flag=True, help="Exit with code 1 when a requirement is violated.")
 def campaign(file: str, jobs: int | None, out: str | None, seeds: str | None, strict: bool) -> None:

@@ -281,3 +281,18 @@ def test_jobs_default_to_the_cores_and_seeds_can_be_replaced(done, tmp_path):
     assert campaign.seeds == (5,) and campaign.size == 4
     outcome = run_campaign(campaign, tmp_path / "out")
     assert {judged.run.seed for judged in outcome.runs} == {5} and os.cpu_count() >= 1
+
+
+def test_the_documented_example_uses_entries_that_exist():
+    import re
+    import tomllib
+
+    from navfmu.campaign import file
+
+    text = (Path(__file__).parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    content = tomllib.loads(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1])
+    assert set(content) <= set(file.TOP)
+    assert all(set(case) <= set(file.CASE) for case in content["case"])
+    assert all(set(entry) <= set(file.REQUIREMENT) for entry in content["requirement"])
+    named = {name for entry in content["requirement"] for name in entry.get("variants", [])}
+    assert named <= set(content["variants"])
