@@ -61,7 +61,7 @@ class Task:
     targets: tuple[int, ...]
     normals: int = 0
     stream: int = 0  # third word of the noise counter, distinct for each task
-    period: int | None = None  # "every": index in v of the Real parameter that holds the period in s
+    period: int | None = None  # index in v of the Real parameter with the period in s ("on_new": of its ticks)
     sequence: int | None = None  # "on_new": index in v of the bundle's sequence number
     time_of_validity: int | None = None  # "on_new"
     lost: int | None = None  # "on_new": index in v of the Integer output that counts lost samples
