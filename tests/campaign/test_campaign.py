@@ -296,3 +296,21 @@ def test_the_documented_example_uses_entries_that_exist():
     assert all(set(entry) <= set(file.REQUIREMENT) for entry in content["requirement"])
     named = {name for entry in content["requirement"] for name in entry.get("variants", [])}
     assert named <= set(content["variants"])
+
+
+def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
+    import shlex
+
+    from navfmu import results
+
+    campaign = load_campaign(done[0])
+    from navfmu.campaign.run import command_of, runs_of
+
+    run = next(r for r in runs_of(campaign) if (r.variant, r.case.name, r.seed) == ("slow", "stuck", 3))
+    words = shlex.split(command_of(campaign, run))
+    assert words[0] == "navfmu"
+    out = tmp_path / "again.parquet"
+    result = CliRunner().invoke(main, [*words[1:], "--record", "estimator.solution.length", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    kept = results.read(run.file(done[1]))
+    assert results.read(out)["estimator.solution.length"].equals(kept["estimator.solution.length"])
