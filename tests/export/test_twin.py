@@ -211,11 +211,11 @@ def test_many_twins_in_one_process_do_not_disturb_each_other(twins, tmp_path):
     plain = tmp_path / "gadget" / "gadget.py"
     for file, factor in ((plain, 1.0), (changed, 2.0)):
         file.parent.mkdir()
-        (file.parent / "helper.py").write_text(f"def twice(x):\n    return {factor} * x\n")
+        (file.parent / "common.py").write_text(f"def twice(x):\n    return {factor} * x\n")
         file.write_text(
-            "import helper\nfrom navfmu.export import Component, Output, Parameter, every\n\n\n"
+            "import common\nfrom navfmu.export import Component, Output, Parameter, every\n\n\n"
             'class Gadget(Component):\n    """Gadget."""\n\n    T = Parameter("s", start=0.1)\n'
-            '    y = Output("1")\n\n    @every("T")\n    def step(self):\n        self.y = helper.twice(self.time)\n'
+            '    y = Output("1")\n\n    @every("T")\n    def step(self):\n        self.y = common.twice(self.time)\n'
         )
         code = "import gadget; from navfmu.export.twin import build_twin; build_twin(gadget.Gadget, '.')"
         environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
