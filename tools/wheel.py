@@ -12,22 +12,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+from navfmu.engine.library import build_all
+
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGED = (
-    "*.py",
-    "*.c",
-    "*.h",
-    "*.so",
-    "*.dll",
-    "*.dylib",
-    "*.fmu",
-    "*.ssp",
-    "*.toml",
-    "*.md",
-    "*.txt",
-    "*.xsd",
-    "*.json",
-)
+PACKAGED = ("c", "h", "so", "dll", "dylib", "fmu", "ssp", "toml", "md", "txt", "xsd", "json")
+"""Endings of the files in the package that are not Python."""
 
 
 def stage(folder: Path) -> None:
@@ -47,9 +36,9 @@ def stage(folder: Path) -> None:
     shipped = folder / "navfmu" / "shipped"
     command = [sys.executable, str(ROOT / "build_fmus.py"), "--platforms", "all", "--no-twins", "--out", str(shipped)]
     subprocess.run(command, check=True, cwd=ROOT)
-
-    from navfmu.engine.library import build_all
-
+    for package in shipped.glob("*_*.ssp"):  # a system's own package holds its variants too
+        if any(package.stem.startswith(f"{other.stem}_") for other in shipped.glob("*.ssp")):
+            package.unlink()
     build_all(folder / "navfmu" / "engine" / "native")
 
 

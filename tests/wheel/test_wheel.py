@@ -1,0 +1,77 @@
+"""The wheel alone, in an empty environment: no repository, no casadi, no compiler."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FLY = """
+import sys
+from importlib.util import find_spec
+assert find_spec("casadi") is None and find_spec("ziglang") is None and find_spec("models") is None
+import navfmu
+assert "site-packages" in navfmu.__file__, navfmu.__file__
+from navfmu import System
+from navfmu.faults import Fault
+lost = Fault("gps", "gps.jammed", "input", start=300.0)
+run = System.load("backup_navigator", variant="scanning").run(stop=2100.0, step=0.01, seed=7, faults=[lost],
+                                                              record=["evaluation.horizontal_error", "navigator.mode"])
+assert run["navigator.mode"].iloc[-1] == 2
+print("worst", run["evaluation.horizontal_error"].max())
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    out = tmp_path_factory.mktemp("wheel")
+    subprocess.run([sys.executable, "-m", "tools.wheel", "--out", str(out)], check=True, cwd=ROOT, capture_output=True)
+    (path,) = out.glob("navfmu-*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def python(wheel, tmp_path_factory):
+    """The interpreter of an environment with the wheel and its dependencies."""
+    folder = tmp_path_factory.mktemp("empty")
+    subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
+    python = folder / "bin" / "python"
+    subprocess.run([str(python), "-m", "pip", "install", "--quiet", str(wheel)], check=True)
+    return python
+
+
+def call(python, folder, *arguments):
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "NAVFMU_CACHE": str(folder / "cache")}
+    return subprocess.run([str(python), *arguments], cwd=folder, env=environment, capture_output=True, text=True)
+
+
+def test_one_wheel_serves_every_platform(wheel):
+    assert wheel.name.endswith("-py3-none-any.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    engines = [name for name in names if name.startswith("navfmu/engine/native/")]
+    assert len(engines) == 5, engines
+    with zipfile.ZipFile(wheel).open("navfmu/shipped/imu.fmu") as fmu:
+        binaries = [name for name in zipfile.ZipFile(fmu).namelist() if name.startswith("binaries/")]
+    assert {name.split("/")[1] for name in binaries} >= {"linux64", "win64", "darwin64", "aarch64-linux"}
+    assert not any(name.startswith(("models", "fmus", "tests")) for name in names)
+
+
+def test_the_flight_is_flown_from_the_wheel_alone(python, tmp_path):
+    done = call(python, tmp_path, "-c", FLY)
+    assert done.returncode == 0, done.stderr
+    assert 50.0 < float(done.stdout.split()[1]) < 3000.0
+
+
+def test_the_command_and_a_recorded_track_work_from_the_wheel_alone(python, tmp_path):
+    command = python.parent / "navfmu"
+    listed = subprocess.run([str(command), "info", "backup_navigator"], capture_output=True, text=True, cwd=tmp_path)
+    assert listed.returncode == 0 and "navigator" in listed.stdout, listed.stderr
+    rows = [f"{t},{48 + 1.0e-4 * t * 5:.6f},11.0,{3000 + t}" for t in range(0, 600, 5)]
+    (tmp_path / "flight.csv").write_text("\n".join(["time_s,latitude_deg,longitude_deg,altitude_ft", *rows]))
+    made = call(python, tmp_path, "-m", "navfmu.cli", "track", "flight.csv", "--out", "flight.fmu")
+    assert made.returncode == 0 and (tmp_path / "flight.fmu").is_file(), made.stderr
+    flown = call(python, tmp_path, "-m", "navfmu.cli", "run", "flight.fmu", "--step", "0.1", "--out", "flight.parquet")
+    assert flown.returncode == 0, flown.stderr
