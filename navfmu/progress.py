@@ -17,7 +17,8 @@ class Progress:
         self._started = time.monotonic()
         self._bar: Any = None
         self._task: Any = None
-        self._last_line = self._started
+        self._last_line = self._phase = self._started
+        self._done = 0
 
     def __enter__(self) -> Progress:
         return self
@@ -29,6 +30,11 @@ class Progress:
     def __call__(self, done: int, total: int, note: str = "") -> None:
         """Show that ``done`` of ``total`` is finished."""
         now = time.monotonic()
+        if done < self._done:  # something else has begun
+            self._phase = now
+            if self._bar is not None:
+                self._bar.reset(self._task, total=total)
+        self._done = done
         if now - self._started < PATIENCE:
             return
         if not sys.stderr.isatty():
@@ -52,7 +58,7 @@ class Progress:
         if now - self._last_line < 5.0:
             return
         self._last_line = now
-        remaining = (now - self._started) * (total - done) / done if done else float("nan")
+        remaining = (now - self._phase) * (total - done) / done if done else 0.0
         rest = f", about {remaining:.0f} s left" if done else ""
         tail = f", {note}" if note else ""
         print(f"{self.what}: {100.0 * done / total:.0f} %{rest}{tail}", file=sys.stderr, flush=True)

@@ -130,8 +130,9 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     sentence = f"{what} {held} of {total} runs"
     finding = worst[1]
     if finding is not None and (requirement.unit or finding.first_violation is not None):
-        value = readable(finding.worst, requirement.unit)
-        sentence += f"; worst: seed {worst[0].run.seed}, {value} at t = {finding.worst_time:g} s"
+        sentence += f"; worst: seed {worst[0].run.seed}"
+        if requirement.unit:
+            sentence += f", {readable(finding.worst, requirement.unit)} at t = {finding.worst_time:g} s"
         sentence += f", inside for {finding.percent:.1f} % of the time"
         if finding.first_violation is not None:
             sentence += f", first violated at t = {finding.first_violation:g} s"

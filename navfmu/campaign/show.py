@@ -2,42 +2,61 @@
 
 from __future__ import annotations
 
+from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from navfmu.campaign.outcome import Outcome
 from navfmu.info import console
 
-WIDE = 120  # columns of a terminal that has room for sentences
+SEEN = 12  # violated cells that are told in words; the report tells all
 
 
 def show(outcome: Outcome) -> None:
-    """The table of verdicts, the failed runs and the path of the report."""
+    """The matrix of verdicts, what was seen where something is violated, failed runs, the path of the report."""
     out, campaign = console(), outcome.campaign
     out.print(f"[bold]{escape(campaign.name)}[/]: {len(outcome.runs)} runs of {campaign.stop:g} s", soft_wrap=True)
     if outcome.cells:
-        wide = out.width >= WIDE
-        table = Table(title="verdicts", title_justify="left", box=None, pad_edge=False)
-        for heading in ("requirement", "variant", "case", "verdict"):
-            table.add_column(heading, no_wrap=True)
-        table.add_column("runs", justify="right", no_wrap=True)
-        if wide:
-            table.add_column("95 % interval", justify="right", no_wrap=True)
-            table.add_column("what was seen", ratio=1)
-        for cell in outcome.cells:
-            verdict = "[green]holds[/]" if cell.passed else "[red]VIOLATED[/]"
-            row = [cell.requirement.id, cell.variant, cell.case, verdict, f"{cell.held}/{cell.total}"]
-            if wide:
-                low, high = cell.interval
-                row.append("" if cell.requirement.quantile is not None else f"{low:.0f} to {high:.0f} %")
-                row.append(escape(cell.sentence))
-            table.add_row(*row)
-        out.print(table)
+        _matrix(out, outcome)
         for requirement in campaign.requirements:
             out.print(f"  {requirement.id}: {escape(requirement.sentence)}", soft_wrap=True)
-    for judged in outcome.runs:
-        if judged.error is not None:
-            run = judged.run
-            where = f"{run.variant}, {run.case.name}, seed {run.seed}"
-            out.print(f"[red]failed[/] {where}: {escape(judged.error)}", soft_wrap=True)
+        _violated(out, outcome)
+    failed = [judged for judged in outcome.runs if judged.error is not None]
+    for judged in failed[:SEEN]:
+        where = f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
+        out.print(f"[red]failed[/] {where}: {escape(judged.error)}", soft_wrap=True)
+    if len(failed) > SEEN:
+        out.print(f"... and {len(failed) - SEEN} more failed runs")
     out.print(f"report: {outcome.report}", soft_wrap=True)
+
+
+def _matrix(out: Console, outcome: Outcome) -> None:
+    campaign = outcome.campaign
+    cells = {(cell.variant, cell.case, cell.requirement.id): cell for cell in outcome.cells}
+    table = Table(title="verdicts (runs that hold / runs)", title_justify="left", box=None, pad_edge=False)
+    for heading in ("variant", "case"):
+        table.add_column(heading, no_wrap=True)
+    for requirement in campaign.requirements:
+        table.add_column(requirement.id, no_wrap=True)
+    for variant in campaign.systems:
+        for case in campaign.cases:
+            row = [variant, case.name]
+            for requirement in campaign.requirements:
+                cell = cells.get((variant, case.name, requirement.id))
+                if cell is None:
+                    row.append("[dim]not asked[/]")
+                else:
+                    verdict = "[green]holds[/]" if cell.passed else "[red]VIOLATED[/]"
+                    row.append(f"{verdict} {cell.held}/{cell.total}")
+            table.add_row(*row)
+    out.print(table)
+
+
+def _violated(out: Console, outcome: Outcome) -> None:
+    """In words, the fewest holding runs first."""
+    violated = sorted((c for c in outcome.cells if not c.passed), key=lambda cell: cell.held / max(cell.total, 1))
+    for cell in violated[:SEEN]:
+        where = f"{cell.requirement.id}, {cell.variant}, {cell.case}"
+        out.print(f"[red]violated[/] {escape(where)}: {escape(cell.sentence)}", soft_wrap=True)
+    if len(violated) > SEEN:
+        out.print(f"... and {len(violated) - SEEN} more in the report")
