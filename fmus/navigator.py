@@ -47,6 +47,9 @@ class Navigator(Component):
     (`position_walk`). Between measurements the wind estimate decays to `wind_mean`, as its model (3.36) says (the
     thesis keeps the estimate and lets the error decay, which contradicts each other).
 
+    *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held, and the wind is
+    driven as if the aircraft could turn anywhere within `blind_time`: the DME ranges then carry the solution alone.
+
     *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
     `rejected`. The variant as printed has none.
 
@@ -185,12 +188,18 @@ class Navigator(Component):
     )
     innovation_gate = Parameter(
         "1",
-        start=5.0,
+        start=4.0,
         min=0.0,
         description="ranges with a larger innovation, in standard deviations, are rejected; 0: none (own choice)",
     )
     geometry_window = Parameter(
         "s", start=90.0, min=0.0, description="stations ranged within this time count in `hdop` (own choice)"
+    )
+    blind_time = Parameter(
+        "s",
+        start=60.0,
+        min=1.0,
+        description="time in which the aircraft may turn away while heading or airspeed are missing (own choice)",
     )
     climb_time = Parameter(
         "s", start=10.0, min=0.01, description="time constant of the vertical speed filter (own choice)"
@@ -248,12 +257,14 @@ class Navigator(Component):
         wind = self.wind_mean + decay * (self.wind - self.wind_mean)
         over_ground = 0.5 * (before + now + self.wind + wind)
         latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground, step)
+        airspeed = np.sqrt(np.sum(now * now))
         density = navigator.wind_noise(
-            np.sqrt(np.sum(now * now)),
+            airspeed,
             (self.wind_sigma, self.wind_time),
             (self.heading_sigma, self.heading_time),
             (self.airspeed_sigma, self.airspeed_time),
         )
+        density = density + np.where(seen, 0.0, navigator.blind_noise(airspeed, self.blind_time))
         covariance = kalman.propagate(
             self.covariance, navigator.transition(step, decay), navigator.noise(step, density, self.position_walk**2)
         )

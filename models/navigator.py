@@ -69,6 +69,13 @@ def wind_noise(airspeed, wind, heading, airspeed_error):
     return 2.0 * (wind[0] * wind[0] / wind[1] + lumped)
 
 
+def blind_noise(airspeed, time):
+    """What drives the wind states in addition while heading or airspeed are unknown, (m/s)^2/s: an error of velocity as
+    large as the airspeed (m/s) that lives for ``time`` (s).
+    """
+    return 2.0 * airspeed * airspeed / time
+
+
 def lumped_variance(air_velocity, heading_sigma, airspeed_sigma):
     """Variance of the velocity error that heading and airspeed make on one axis, (m/s)^2: (5.16), (5.17), both on any
     axis."""

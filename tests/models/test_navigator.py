@@ -266,6 +266,30 @@ def test_without_dme_aiding_ranges_are_ignored():
     assert with_ranges["north_sigma"] == without["north_sigma"]
 
 
+def test_without_heading_the_ranges_carry_the_solution():
+    """Heading drops out and the aircraft turns back: sigma grows and ranges are believed, instead of being rejected."""
+    flight = Flight(bias_sigma=30.0).fly(10.0, fix=True).fly(1.0, fix=False).fly(20.0, ranging=1.0)
+    steady = flight["north_sigma"]
+    run, start = flight.run, 0.1 * flight.k
+    run.set("attitude.valid", False)
+    for k in range(1, 1801):
+        t = start + 0.1 * k
+        latitude = north_of_start(start - 0.1 * k)  # it flies south now
+        for name, value in bundle("air", 1000 + k, t, true_airspeed=SPEED, pressure_altitude=ALTITUDE - 30.0).items():
+            run.set(name, value)
+        if k % 10 == 0:
+            measured = [True, True, False, False, False]
+            slant = ranges_at(latitude, LONGITUDE, ALTITUDE)
+            for name, value in bundle("ranging", 1000 + k, t, slant_range=slant, measured=measured).items():
+                run.set(name, value)
+        run.do_step(t - 0.1, 0.1)
+    north, east = navigator.offset(
+        latitude, LONGITUDE, ALTITUDE, run.get("solution.latitude"), run.get("solution.longitude")
+    )
+    assert np.hypot(north, east) < 50.0
+    assert flight["north_sigma"] > 1.5 * steady
+
+
 def test_dilution_is_that_of_the_stations_ranged_lately():
     flight = Flight().fly(10.0, fix=True).fly(1.0, fix=False)
     assert flight["hdop"] == 99.0
