@@ -74,8 +74,6 @@ def generate(plan: Plan) -> str:
         lines += _read(number, part)
     for number, part in enumerate(plan.parts):
         lines += [f"    u{number}[{i}] = s[{j}];" for i, j in enumerate(part.smooth.source)]
-        for kind, group in _held(part):
-            lines += [f"    {kind[0]}{number}[{i}] = {_value(group, i)};" for i in range(len(group.source))]
     lines.append("    for (long k = first; k < first + steps; k++) {")
     if plan.algorithm == "jacobi":
         for number, part in enumerate(plan.parts):
@@ -140,7 +138,7 @@ def _set_held(number: int, part: Part) -> list[str]:
         array, values = f"{kind[0]}{number}", ", ".join(_value(group, i) for i in range(count))
         lines += [
             f"        {{ {C_TYPES[kind]} now[{count}] = {{{values}}};",
-            f"          if (memcmp(now, {array}, sizeof now)) {{ memcpy({array}, now, sizeof now);",
+            f"          if (k == first || memcmp(now, {array}, sizeof now)) {{ memcpy({array}, now, sizeof now);",
             f"            fmi2Set{kind}{number}(c{number}, i{kind}{number}, {count}, {array}); }} }}",
         ]
     return lines

@@ -11,6 +11,7 @@ from pathlib import Path
 from benchmarks.bare import Bare
 from navfmu.engine.compiled import Compiled
 from navfmu.engine.plan import Plan
+from navfmu.ssp.document import PARAMETER_SET
 
 
 class Ours:
@@ -127,7 +128,7 @@ class Ecos:
         ecospy.EcosLib.set_log_level("warn")
         self.plan = plan
         self.simulation = ecospy.EcosSimulation(ssp_path=str(ssp), step_size=plan.clock.step)
-        self.simulation.init()
+        assert self.simulation.init(parameter_set=PARAMETER_SET)
 
     def run(self, steps: int) -> float:
         before = time.perf_counter()

@@ -21,14 +21,15 @@ STEP, COUNT = 1.0 / 64.0, 6
 class Lag(Component):
     """First-order lag, explicit Euler: y <- y + (u - y) T / tau."""
 
-    u = Input("1", start=1.0, description="input")
+    u = Input("1", description="input")
     y = Output("1", description="output")
     tau = Parameter("s", start=1.0, min=0.01, description="time constant")
+    y0 = Parameter("1", start=1.0, description="output at t = 0")
     sample_period = Parameter("s", start=STEP, min=1e-4, description="time between values")
 
     @start
     def begin(self):
-        self.y = 1.0 + 0.0 * self.tau
+        self.y = self.y0
 
     @every("sample_period")
     def step(self):
@@ -36,12 +37,13 @@ class Lag(Component):
 
 
 def make(folder: Path) -> Path:
-    """Build the FMU and pack the ring; time constants differ, so that the values move for a while."""
+    """Build the FMU and pack the ring. The lags are so slow that every value still changes in every step at the end:
+    an input that stays the same would not be set again, and nothing would be measured."""
     build([Lag], folder)
     system = SystemSource("ring", fmus=folder, stop_time=1e6, step=STEP)
     for i in range(COUNT):
         system.component(f"lag{i}", "lag.fmu")
-        system.parameters(f"lag{i}", {"tau": 1.0 + 0.3 * i, "u": 0.5 * i})
+        system.parameters(f"lag{i}", {"tau": 1e5 * (1.0 + 0.3 * i), "y0": float(i)})
     for i in range(COUNT):
         system.connect(f"lag{i}.y", f"lag{(i + 1) % COUNT}.u")
     return system.pack(folder / "ring.ssp")

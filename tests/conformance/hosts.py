@@ -10,7 +10,7 @@ libcosim 0.0.6
 Ecos 0.7
     The wheel's ``ecos`` program is not executable as installed; it adds up its time, so that a step of 0.1 s gives one
     step more than expected (a power of two does not); its CSV has six decimals. The same library is reached from Python
-    with full numbers.
+    with full numbers. Without the name of a parameter set it applies none, silently.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from pathlib import Path
 
 import fmpy
 import pytest
+
+from navfmu.ssp.document import PARAMETER_SET
 
 READ = {"Real": "real", "Integer": "integer", "Boolean": "boolean"}
 VALUES = dict[str, float]
@@ -133,6 +135,7 @@ def ecos_program_run(path: Path, step: float, steps: int, tmp_path: Path) -> dic
             repr(steps * step),
             "--stepSize",
             repr(step),
+            *(["--parameterSet", PARAMETER_SET] if path.suffix == ".ssp" else []),
         ],
         cwd=tmp_path,
         capture_output=True,
@@ -166,7 +169,7 @@ def libcosim_ssp(folder: Path, fmus: dict[str, Path], step: float, steps: int) -
 def ecos_library_ssp(ssp: Path, fmus: dict[str, Path], step: float, steps: int) -> dict[str, VALUES]:
     simulation = ecos_library().EcosSimulation(ssp_path=str(ssp), step_size=step)
     try:
-        return _ecos_run(simulation, fmus, steps)
+        return _ecos_run(simulation, fmus, steps, PARAMETER_SET)
     finally:
         simulation.terminate()
         simulation.free()
@@ -240,8 +243,8 @@ def _ecos_set(simulation, fmu: Path, name: str, start: VALUES) -> None:
         setters[variable.type](f"{name}::{variable_name}", _typed(variable, value))
 
 
-def _ecos_run(simulation, fmus: dict[str, Path], steps: int) -> dict[str, VALUES]:
-    assert simulation.init()
+def _ecos_run(simulation, fmus: dict[str, Path], steps: int, parameter_set: str | None = None) -> dict[str, VALUES]:
+    assert simulation.init(parameter_set=parameter_set)
     simulation.step(steps)
     getters = {"Real": simulation.get_real, "Integer": simulation.get_integer, "Boolean": simulation.get_bool}
     return {

@@ -58,7 +58,11 @@ def run(program: Path, platform: str, fmu: Path, folder: Path, step: float, step
     environment = dict(os.environ)
     if windows:
         command = [str(wine()), *command]
-        environment |= {"WINEPREFIX": str(program.parent / "wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
+        environment |= {
+            "WINEPREFIX": str(program.parent / "wine"),
+            "WINEDEBUG": "-all",
+            "WINEDLLOVERRIDES": "mscoree,mshtml=",
+        }
     done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=300, check=False)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     return np.array([[float.fromhex(cell) for cell in line.split()] for line in done.stdout.splitlines()])

@@ -22,7 +22,8 @@ def fmus(tmp_path_factory):
 @pytest.fixture(scope="module")
 def ssp(fmus, tmp_path_factory):
     folder = next(iter(fmus.values())).parent
-    return source(folder).pack(tmp_path_factory.mktemp("ssp") / "backup_navigator.ssp")
+    package = tmp_path_factory.mktemp("ssp") / "bay_area_scanning.ssp"
+    return source(folder).pack(package, variant="bay_area_scanning")  # other values than those of the FMUs
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,7 @@ def expected(ssp, fmus):
         component, _, variable = column.partition(".")
         values[component][variable] = float(result[column].iloc[-1])
     assert values["navigator"]["mode"] > 0 and values["dme"]["ranging.sequence"] > 1
+    assert sum(values["dme"][f"ranging.slant_range[{i}]"] > 0 for i in range(1, 6)) >= 4  # stations of the variant
     return values
 
 
