@@ -6,8 +6,8 @@ from pathlib import Path
 
 from navfmu.progress import Progress
 from navfmu.report.page import Page
-from navfmu.report.sweep import picture
-from navfmu.sweep import ALGORITHMS, sweep, write
+from navfmu.report.sweep import picture, write_report
+from navfmu.sweep import ALGORITHMS, sweep
 from navfmu.system import System
 
 STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
@@ -29,7 +29,7 @@ def run(out: Path, page: Page) -> None:
     system = System.load("backup_navigator", "scanning")
     with Progress("step sizes") as progress:
         result = sweep(system, STEPS, signals=SIGNALS, stop=900.0, seed=1, faults="gps_lost", progress=progress)
-    write(result, out / "step_sizes")
+    write_report(result, out / "step_sizes")
     page.heading("Communication step size")
     page.text(result.recommendation())
     page.picture(picture(result), "Error against communication step size, log-log, Jacobi and Gauss-Seidel")

@@ -164,8 +164,9 @@ def sweep(
 ) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
     from navfmu.progress import Progress
+    from navfmu.report.sweep import write_report
     from navfmu.results import check_folder
-    from navfmu.sweep import show, sweep, write
+    from navfmu.sweep import show, sweep
     from navfmu.system import System
 
     if out is not None:
@@ -185,7 +186,7 @@ def sweep(
             jobs=jobs,
             progress=progress,
         )
-    report = None if out is None else write(result, out)
+    report = None if out is None else write_report(result, out)
     show(result, report)
 
 

@@ -8,9 +8,6 @@ measurement one sample late, however small the step is. That difference is repor
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 from navfmu.engine.clock import exact
 from navfmu.errors import NavfmuError
-from navfmu.files import write_file
 
 if TYPE_CHECKING:
     import pandas
@@ -273,9 +269,6 @@ def _size(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) -> tu
     return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
 
 
-# ---- what is shown and written ---------------------------------------------------------------------------------------
-
-
 def show(result: Sweep, report: Path | None) -> None:
     """Print the table, the lost samples and the recommendation."""
     from rich.table import Table
@@ -319,48 +312,3 @@ def show(result: Sweep, report: Path | None) -> None:
     out.print(result.recommendation(), soft_wrap=True)
     if report is not None:
         out.print(f"report: {report}", soft_wrap=True)
-
-
-def table(result: Sweep) -> list[dict[str, Any]]:
-    """All numbers, one row for each run and signal."""
-    return [
-        {
-            "algorithm": row.algorithm,
-            "step": row.step,
-            "signal": row.signal,
-            "unit": row.unit,
-            "rms_error": row.rms,
-            "largest_error": row.largest,
-            "reference_span": row.span,
-            "slope": result.slope(row.algorithm, row.signal),
-            "lost_samples": sum(counts[row.algorithm, row.step] for counts in result.lost.values()),
-        }
-        for row in result.rows
-    ]
-
-
-def write(result: Sweep, folder: str | Path) -> Path:
-    """Write ``sweep.csv``, ``sweep.json``, ``sweep.png`` and ``report.html``; return the path of the report."""
-    from navfmu.report.sweep import picture, report
-
-    folder = Path(folder)
-    rows = table(result)
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    about = {
-        "recommendation": result.recommendation(),
-        "algorithms_apart": result.apart,
-        "provenance": result.provenance,
-        "lost": {
-            name: [{"algorithm": a, "step": s, "lost": n} for (a, s), n in counts.items()]
-            for name, counts in result.lost.items()
-        },
-        "errors": rows,
-    }
-    png = picture(result)
-    write_file(folder / "sweep.csv", text.getvalue())
-    write_file(folder / "sweep.json", json.dumps(about, indent=2) + "\n")
-    write_file(folder / "sweep.png", png)
-    return write_file(folder / "report.html", report(result, png))

@@ -111,7 +111,8 @@ class System:
         parameters: Mapping[str, Any] | None = None,
     ) -> engine_plan.Plan:
         """The plan that an engine executes; the arguments are those of ``run``."""
-        from navfmu.engine.plan import Component, Connection, make_plan
+        from navfmu.engine.component import Component
+        from navfmu.engine.plan import Connection, make_plan
 
         stop, step = self._experiment(stop, step)
         start = self._start_values(parameters or {}, seed)

@@ -23,12 +23,13 @@ import math
 import re
 import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from navfmu import shipped
+from navfmu.campaign.definition import Campaign, Case
 from navfmu.campaign.requirement import MAIN, Requirement
+from navfmu.campaign.single import plan_of
 from navfmu.engine.clock import Clock
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
@@ -68,42 +69,6 @@ REQUIREMENT = {
     "variants": list,
     "cases": list,
 }
-
-
-@dataclass(frozen=True)
-class Case:
-    """One thing that is done to the system."""
-
-    name: str
-    description: str = ""
-    faults: tuple[Fault, ...] = ()
-    files: tuple[str, ...] = ()  # where the faults are from, as the command line takes them
-    parameters: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Campaign:
-    """A campaign file, checked against its system."""
-
-    name: str
-    path: Path
-    description: str
-    system: Path
-    systems: dict[str, System]  # by variant
-    cases: tuple[Case, ...]
-    seeds: tuple[int, ...]
-    stop: float
-    step: float
-    algorithm: str
-    parameters: dict[str, Any]
-    record: tuple[str, ...]
-    record_period: float | None
-    requirements: tuple[Requirement, ...]
-
-    @property
-    def size(self) -> int:
-        """How many runs it has."""
-        return len(self.systems) * len(self.cases) * len(self.seeds)
 
 
 def load_campaign(path: str | Path, seeds: str | None = None) -> Campaign:
@@ -362,8 +327,6 @@ class _File:
 
     def dry_run(self, campaign: Campaign) -> None:
         """Make the plan of one run of each variant and case, so that nothing is found wrong after hours."""
-        from navfmu.campaign.run import plan_of
-
         for variant in campaign.systems:
             for case in campaign.cases:
                 try:

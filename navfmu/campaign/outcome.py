@@ -13,8 +13,8 @@ import numpy as np
 from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
 
 if TYPE_CHECKING:
-    from navfmu.campaign.file import Campaign, Case
-    from navfmu.campaign.run import Run
+    from navfmu.campaign.definition import Campaign, Case
+    from navfmu.campaign.single import Run
 
 
 @dataclass(frozen=True)

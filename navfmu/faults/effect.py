@@ -19,16 +19,14 @@ import zlib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from navfmu.engine.clock import FOREVER, Clock, exact
+from navfmu.engine.component import Component, Variable
 from navfmu.errors import nearest
 from navfmu.faults.fault import Fault, is_number
-
-if TYPE_CHECKING:
-    from navfmu.engine.plan import Component, Variable
 
 ADD, RAMP, SET, HOLD, NOISE = range(5)
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from dataclasses import asdict
@@ -12,16 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.campaign.file import Case
+from navfmu.campaign.definition import Case
 from navfmu.campaign.navigation import statistics
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
-from navfmu.campaign.run import command_of
+from navfmu.campaign.single import command_of
 from navfmu.errors import NavfmuError
 from navfmu.files import replacing, write_file
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
 from navfmu.report.provenance import section
+from navfmu.report.rows import as_csv
 
 Note = Callable[[int, int], None]  # sections drawn, sections to draw
 TRUTH = ("aircraft.latitude", "aircraft.longitude")
@@ -35,10 +34,10 @@ def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Pa
     """Write ``runs.csv``, ``runs.parquet``, ``verdicts.csv``, ``campaign.json`` and ``report.html``."""
     about = provenance(outcome)
     rows = outcome.table()
-    write_file(folder / "runs.csv", _csv(rows))
+    write_file(folder / "runs.csv", as_csv(rows))
     _write_parquet(rows, folder / "runs.parquet", about)
-    write_file(folder / "verdicts.csv", _csv(_verdicts(outcome)))
-    write_file(folder / "statistics.csv", _csv([asdict(row) for row in statistics(outcome)]))
+    write_file(folder / "verdicts.csv", as_csv(_verdicts(outcome)))
+    write_file(folder / "statistics.csv", as_csv([asdict(row) for row in statistics(outcome)]))
     write_file(folder / "campaign.json", json.dumps(about, indent=2) + "\n")
     return write_file(folder / "report.html", page(outcome, about, note).html())
 
@@ -79,15 +78,6 @@ def _verdicts(outcome: Outcome) -> list[dict[str, Any]]:
         }
         for cell in outcome.cells
     ]
-
-
-def _csv(rows: list[dict[str, Any]]) -> str:
-    text = io.StringIO()
-    if rows:
-        writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    return text.getvalue()
 
 
 def _write_parquet(rows: list[dict[str, Any]], path: Path, about: dict[str, Any]) -> None:

@@ -2,22 +2,61 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from pathlib import Path
+from typing import Any
 
+from navfmu.files import write_file
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
 from navfmu.report.provenance import section
-
-if TYPE_CHECKING:
-    from navfmu.sweep import Sweep
+from navfmu.report.rows import as_csv
+from navfmu.sweep import ALGORITHMS, Sweep
 
 SHOWN = 6  # signals in the picture
 
 
+def write_report(result: Sweep, folder: str | Path) -> Path:
+    """Write ``sweep.csv``, ``sweep.json``, ``sweep.png`` and ``report.html``; return the path of the report."""
+    folder = Path(folder)
+    rows = table(result)
+    about = {
+        "recommendation": result.recommendation(),
+        "algorithms_apart": result.apart,
+        "provenance": result.provenance,
+        "lost": {
+            name: [{"algorithm": a, "step": s, "lost": n} for (a, s), n in counts.items()]
+            for name, counts in result.lost.items()
+        },
+        "errors": rows,
+    }
+    image = picture(result)
+    write_file(folder / "sweep.csv", as_csv(rows))
+    write_file(folder / "sweep.json", json.dumps(about, indent=2) + "\n")
+    write_file(folder / "sweep.png", image)
+    return write_file(folder / "report.html", page(result, image).html())
+
+
+def table(result: Sweep) -> list[dict[str, Any]]:
+    """All numbers, one row for each run and signal."""
+    return [
+        {
+            "algorithm": row.algorithm,
+            "step": row.step,
+            "signal": row.signal,
+            "unit": row.unit,
+            "rms_error": row.rms,
+            "largest_error": row.largest,
+            "reference_span": row.span,
+            "slope": result.slope(row.algorithm, row.signal),
+            "lost_samples": sum(counts[row.algorithm, row.step] for counts in result.lost.values()),
+        }
+        for row in result.rows
+    ]
+
+
 def picture(result: Sweep) -> bytes:
     """rms error over step size, log-log: one line for each signal, one panel for each algorithm."""
-    from navfmu.sweep import ALGORITHMS
-
     signals = _most_affected(result)
     with figure(1, 2, size=(10.5, 5.2), below=0.7, sharex=True, sharey=True) as (drawing, axes):
         for axis, algorithm in zip(axes, ALGORITHMS, strict=True):
@@ -49,25 +88,23 @@ def _most_affected(result: Sweep) -> list[str]:
     return ordered[:SHOWN]
 
 
-def report(result: Sweep, image: bytes) -> str:
-    """The page."""
-    from navfmu.sweep import ALGORITHMS
-
-    page = Page(
+def page(result: Sweep, image: bytes) -> Page:
+    """The whole report."""
+    made = Page(
         f"Communication step size of {result.system}",
         f"{result.stop:g} s, the same noise in every run; errors are differences from the same algorithm at "
         f"{result.steps[0]:g} s, every {result.period:g} s",
     )
-    page.text(result.recommendation())
-    page.picture(
+    made.text(result.recommendation())
+    made.picture(
         image, "rms error over communication step", "Each line is a signal; its slope is the order of the error."
     )
-    page.heading("Errors")
-    page.text(
+    made.heading("Errors")
+    made.text(
         f"rms errors; 'algorithms apart' is the rms difference of Gauss-Seidel and Jacobi at {result.steps[0]:g} s. "
         "Where components are sampled it does not vanish with the step: Jacobi delivers each value one sample late."
     )
-    page.table(
+    made.table(
         ["signal", "unit", "algorithm", *(f"{step:g} s" for step in result.steps), "slope", "algorithms apart"],
         [
             [
@@ -82,14 +119,14 @@ def report(result: Sweep, image: bytes) -> str:
             for algorithm in ALGORITHMS
         ],
     )
-    page.heading("Samples lost between components")
+    made.heading("Samples lost between components")
     if not result.lost:
-        page.text("No component of this system counts samples.")
+        made.text("No component of this system counts samples.")
     elif not any(any(counts.values()) for counts in result.lost.values()):
-        page.text("None at any step.")
+        made.text("None at any step.")
     else:
-        page.text("A measurement is lost when a newer one replaces it before the next communication point.")
-        page.table(
+        made.text("A measurement is lost when a newer one replaces it before the next communication point.")
+        made.table(
             ["counter", "algorithm", *(f"{step:g} s" for step in result.steps)],
             [
                 [name, algorithm, *(counts[algorithm, step] for step in result.steps)]
@@ -97,5 +134,5 @@ def report(result: Sweep, image: bytes) -> str:
                 for algorithm in ALGORITHMS
             ],
         )
-    section(page, result.provenance)
-    return page.html()
+    section(made, result.provenance)
+    return made

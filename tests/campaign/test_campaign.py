@@ -306,7 +306,7 @@ def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
     from navfmu import results
 
     campaign = load_campaign(done[0])
-    from navfmu.campaign.run import command_of, runs_of
+    from navfmu.campaign.single import command_of, runs_of
 
     run = next(r for r in runs_of(campaign) if (r.variant, r.case.name, r.seed) == ("slow", "stuck", 3))
     words = shlex.split(command_of(campaign, run))

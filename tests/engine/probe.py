@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine import compiled, reference
+from navfmu.engine.component import Component, Variable
 from navfmu.engine.library import RUNTIME
-from navfmu.engine.plan import Component, Connection, Plan, Variable, make_plan
+from navfmu.engine.plan import Connection, Plan, make_plan
 from navfmu.engine.recording import Recording
 from navfmu.export import toolchain
 
