@@ -8,7 +8,9 @@ JOBS   ?= 2
 .PHONY: run test evidence wheel build clean
 
 run: build
-	@$(BIN)/python -m system_ssp.main_job --out results/main
+	@$(BIN)/navfmu campaign system_ssp/backup_navigator/campaigns/main.toml --out results/main
+	@$(BIN)/navfmu sweep backup_navigator --variant scanning --faults gps_lost --stop 900 --out results/steps \
+		--steps 0.002,0.005,0.01,0.02,0.05,0.1,0.2,0.5,1
 
 test: $(READY)
 	@$(BIN)/python build_fmus.py
