@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from evidence import strapdown
 from navfmu.report.figure import COLOURS, figure, png
 from navfmu.report.page import Page
 from navfmu.system import System
-from tests.models import strapdown
 
 PERIOD = 0.01
 STOP = 1800.0

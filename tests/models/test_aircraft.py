@@ -6,13 +6,13 @@ import numpy as np
 import pymap3d
 import pytest
 
+from evidence.strapdown import navigate
 from fmus.aircraft import Aircraft
 from fmus.flight_plans import FLIGHT_PLANS, LIVERMORE_25L, LIVERMORE_25L_COURSE
 from models import aircraft, attitude, earth
 from models.flight_plan import FlightPlan, Segment, straight, turn
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
-from tests.models.strapdown import navigate
 
 SIGNALS = ("latitude", "longitude", "altitude", "velocity_n", "roll", "pitch", "heading", "specific_force", "rate")
 SPEED = 46.3

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
+from evidence.strapdown import navigate
 from fmus.aircraft import Aircraft
 from fmus.track import Track
 from models import attitude
@@ -19,7 +20,6 @@ from navfmu.track.archive import write_fmu
 from navfmu.track.cli import command
 from navfmu.track.importer import import_track
 from tests import built
-from tests.models.strapdown import navigate
 from tests.track.made import flight, recorded
 
 
