@@ -320,8 +320,8 @@ class Interpreter:
         self._run(task, sequence, time, period)
 
     @staticmethod
-    def _tolerance(period: float, time: float) -> float:
-        return 1e-9 * period + 4 * 2.220446049250313e-16 * abs(time)
+    def _tolerance(period: float, start: float, end: float) -> float:
+        return 1e-9 * period + 4 * 2.220446049250313e-16 * max(abs(start), abs(end))
 
     def _due(self, clock: int) -> float:
         return float((self.counts[clock] + 1) * self.values[self._clocks[clock]])
@@ -368,7 +368,7 @@ class Interpreter:
         while self._clocks:
             first = min(range(len(self._clocks)), key=self._due)
             due, period = self._due(first), float(self.values[self._clocks[first]])
-            tolerance = self._tolerance(period, elapsed_end)
+            tolerance = self._tolerance(period, self.start_time, end)
             if not due <= elapsed_end + tolerance:
                 break
             self._tick(due, tolerance, period, origin, held)

@@ -69,6 +69,23 @@ class Source(Component):
         self.x = row[1] + part * (following[1] - row[1]) + self.offset
 
 
+class Rows(Component):
+    """The rows that a table gives a task, as they are."""
+
+    sample_period = Parameter("s", start=0.5, min=1e-3, description="sampling period")
+    track = Table(columns=(("time", "s"), ("x", "m")), rows=[[0.0, 1.0], [1.0, 2.0], [2.5, 4.0], [3.0, 8.0]])
+    row = Output(2, "1", description="row at or before the time of the task")
+    next_row = Output(2, "1", description="the row that follows")
+
+    @start
+    def begin(self):
+        self.row, self.next_row = self.track.row, self.track.next_row
+
+    @every("sample_period")
+    def look(self):
+        self.row, self.next_row = self.track.row, self.track.next_row
+
+
 class TwoRates(Component):
     """Two clocks, with tasks that see each other's results in the order of their declaration."""
 

@@ -5,8 +5,12 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from navfmu.export.interpreter import Interpreter
+
+from .components import Rows
 from .slave import OK, Slave, Unzipped
 
 TABLE = "time (s),x (m)\n0.0,0.0\n1.0,2.0\n3.0,0.0\n"
@@ -15,10 +19,13 @@ TABLE = "time (s),x (m)\n0.0,0.0\n1.0,2.0\n3.0,0.0\n"
 @pytest.fixture
 def source(unzipped, tmp_path):
     """A copy of the FMU in a folder whose name needs care in a URI."""
-    folder = tmp_path / "with space é 100%"
-    shutil.copytree(unzipped["source"].folder, folder)
+    return copy_of(unzipped["source"], tmp_path / "with space é 100%")
+
+
+def copy_of(fmu, folder):
+    shutil.copytree(fmu.folder, folder)
     copy = Unzipped.__new__(Unzipped)
-    copy.__dict__.update(unzipped["source"].__dict__, folder=folder)
+    copy.__dict__.update(fmu.__dict__, folder=folder)
     return copy
 
 
@@ -115,3 +122,48 @@ def test_a_long_table_is_read_and_searched_in_both_directions(source):
     assert slave.step(0.0, 1.0) == OK
     assert slave.get("x") == pytest.approx(500.5)
     slave.free()
+
+
+def test_a_table_that_cannot_be_read_to_its_end_is_told(source):
+    table = source.folder / "resources" / "track.csv"
+    table.unlink()
+    table.mkdir()  # can be opened, but gives an error when read
+    assert x_at_one(source).endswith("/resources/track.csv cannot be read.")
+
+
+@pytest.mark.parametrize("start", [-2.0, 0.0, 10.0])
+def test_native_fmu_and_interpreter_find_the_same_rows_before_within_and_behind_a_table(unzipped, start):
+    native, floats = Slave(unzipped["rows"]), Interpreter(Rows)
+    native.initialise(start)
+    floats.setup(start)
+    saved, kept = native.save(), floats.get_state()
+    found = set()
+    for _ in range(2):  # the second time from a place far behind
+        for k in range(12):
+            rows = native.get("row"), native.get("next_row")
+            np.testing.assert_array_equal(rows, (floats.get("row"), floats.get("next_row")))
+            found.add((rows[0][0], rows[1][0]))
+            native.step(start + 0.5 * k, 0.5)
+            floats.do_step(start + 0.5 * k, 0.5)
+        native.call("SetFMUstate", saved)
+        floats.set_state(kept)
+    native.free()
+    everything = {(0.0, 1.0), (1.0, 2.5), (2.5, 3.0)}
+    assert found == {-2.0: everything, 0.0: everything, 10.0: {(2.5, 3.0)}}[start]
+
+
+def test_a_state_that_was_saved_with_a_longer_table_finds_the_last_rows(unzipped, tmp_path):
+    fmu = copy_of(unzipped["rows"], tmp_path / "long")
+    longer = "time (s),x (m)\n" + "".join(f"{k},{k}\n" for k in range(100_000))
+    (fmu.folder / "resources" / "track.csv").write_text(longer)
+    long, short = Slave(fmu), Slave(unzipped["rows"])
+    for slave in (long, short):
+        slave.initialise()
+    assert long.step(0.0, 90_000.0) == OK
+    status, state = short.deserialise(long.serialise(long.save()))
+    assert status == OK
+    assert short.call("SetFMUstate", state) == OK
+    assert short.step(90_000.0, 0.5) == OK
+    assert (short.get("row"), short.get("next_row")) == ([2.5, 4.0], [3.0, 8.0])
+    long.free()
+    short.free()

@@ -33,6 +33,18 @@ def test_samples_do_not_depend_on_the_communication_step(unzipped, steps):
     assert run(unzipped["sensor"], steps, ["reading.s", "reading.sequence", "reading.time_of_validity"])[-1] == expected
 
 
+def test_an_experiment_that_starts_at_a_time_of_the_calendar_samples_as_one_that_starts_at_0(unzipped):
+    start = 1_767_225_600.0  # s, whose last place is 0.2 microseconds
+    native, floats = Slave(unzipped["sensor"]), Interpreter(Sensor)
+    native.initialise(start)
+    floats.setup(start)
+    for k in range(1, 200):
+        native.step(start + (k - 1) * 0.1, 0.1)
+        floats.do_step(start + (k - 1) * 0.1, 0.1)
+        assert native.get("reading.sequence") == floats.get("reading.sequence") == k
+    native.free()
+
+
 def test_noise_depends_on_seed_and_stream(unzipped):
     def reading(**values):
         return run(unzipped["sensor"], [1.0], ["reading.s"], **values)[0][0]

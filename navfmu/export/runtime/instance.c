@@ -44,7 +44,6 @@ static size_t lay_out_state(Instance *self, char *base) {
     self->slopes = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->counts = take(base, &size, at_least_one(model.clock_count), sizeof(int64_t));
     self->last = take(base, &size, at_least_one(model.task_count), sizeof(int64_t));
-    self->cursors = take(base, &size, at_least_one(model.table_count), sizeof(int64_t));
     return size;
 }
 
@@ -53,6 +52,7 @@ static size_t lay_out(Instance *self, char *base) {
     char *state = take(base, &size, self->state_size, 1);
     self->before = take(base, &size, self->state_size, 1);
     self->tables = take(base, &size, at_least_one(model.table_count), sizeof(Table));
+    self->cursors = take(base, &size, at_least_one(model.table_count), sizeof(int64_t));
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
@@ -162,9 +162,10 @@ static void run_on_new(Instance *self, int i, double time, double tolerance) {
     run(self, task, sequence, time, self->v[model.clocks[task->clock]]);
 }
 
-/* A time is due when it is not later than another one by more than rounding. */
-static double tolerance_of(double period, double time) {
-    return 1e-9 * period + 4 * DBL_EPSILON * fabs(time);
+/* A time is due when it is not later than another one by more than rounding: that of the period, and that of the
+   host's times, which is large when the experiment does not start near 0 (seconds of a calendar). */
+static double tolerance_of(double period, double start, double end) {
+    return 1e-9 * period + 4 * DBL_EPSILON * fmax(fabs(start), fabs(end));
 }
 
 static double due_time(const Instance *self, int clock) {
@@ -208,7 +209,7 @@ void instance_advance(Instance *self, double end) {
             if (due_time(self, c) < due_time(self, first)) first = c;
         }
         const double due = due_time(self, first);
-        const double tolerance = tolerance_of(self->v[model.clocks[first]], elapsed_end);
+        const double tolerance = tolerance_of(self->v[model.clocks[first]], self->state->start, end);
         if (!(due <= elapsed_end + tolerance)) break;
         tick(self, due, tolerance, origin);
     }

@@ -11,8 +11,7 @@
 typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8 } Phase;
 typedef enum { EVENT, WARNING, ERROR } Severity;
 
-/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last, cursors;
-   saving, restoring and resetting are copies of it. */
+/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last; saving, restoring and resetting are copies of it. */
 typedef struct {
     double time;        /* communication point */
     double start, stop; /* of the experiment; stop is INFINITY when it was not given */
@@ -34,12 +33,14 @@ struct Instance {
     double *slopes;   /* du/dt of each continuous input, for the coming step */
     int64_t *counts;  /* ticks done, for each clock */
     int64_t *last;    /* sequence number last seen, for each task */
-    int64_t *cursors; /* place in each table */
 
     State *before;    /* copy of the block while outputs are shown in initialisation mode, */
     int previewed;    /* which `before` undoes */
 
-    Table *tables;    /* constant after instantiation, as is all below: buffers of one task's run */
+    Table *tables;    /* constant after instantiation */
+    int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
+
+    /* buffers of one task's run */
     double *held, *noise, *result, *rows, *work;
     double clock[2];
     const double **arguments;
@@ -48,7 +49,7 @@ struct Instance {
     void *memory;
 };
 
-/* Returns NULL after reporting why. `self` is zeroed memory of the front end with host and report set. */
+/* Returns 0, or 1 after reporting why not. `self` is zeroed memory of the front end with host and report set. */
 int instance_create(Instance *self, const char *resources);
 void instance_destroy(Instance *self);
 void instance_reset(Instance *self);

@@ -80,6 +80,10 @@ static char *read_text(const char *path) {
         text = larger;
         room *= 2;
     }
+    if (text && ferror(file)) {
+        free(text);
+        text = NULL;
+    }
     fclose(file);
     if (text) text[length] = 0;
     return text;
@@ -88,8 +92,9 @@ static char *read_text(const char *path) {
 /* The number at *text, written with a point whatever the host's locale is; moves *text behind it. */
 static int read_number(char **text, double *value) {
     char *end, mark = localeconv()->decimal_point[0];
-    size_t length = strcspn(*text, ",\r\n"), point = strcspn(*text, ".");
-    if (mark != '.' && point < length) (*text)[point] = mark;
+    size_t length = strcspn(*text, ",\r\n");
+    char *point = mark == '.' ? NULL : memchr(*text, '.', length);
+    if (point) *point = mark;
     *value = strtod(*text, &end);
     int done = end != *text && end == *text + length && isfinite(*value);
     *text = end;
