@@ -18,7 +18,7 @@ from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.units import Unit
-from navfmu.unpack import cache_directory, content_hash, open_archive, read_entry, unpack
+from navfmu.unpack import cache_directory, check_unchanged, content_hash, open_archive, read_entry, unpack
 from navfmu.xml import parse
 
 FORMAT = 1  # of the cached descriptions; raise it when their content changes
@@ -179,6 +179,7 @@ def _describe(path: Path, digest: str) -> Description:
     except (OSError, ValueError, KeyError, TypeError):
         pass
     content = _read(path)
+    check_unchanged(path, digest)
     _write_atomically(cached, json.dumps(content, separators=(",", ":")))
     return _from_json(content)
 

@@ -79,8 +79,8 @@ def checked(description: Description, variable: Variable, value: Any, where: str
         return _boolean(value, what)
     number = quantity(description, variable, value, what)
     if variable.type in ("Integer", "Enumeration"):
-        if number != math.floor(number):
-            raise NavfmuError(f"{what}: expected an integer")
+        if not math.isfinite(number) or number != math.floor(number) or not -(2**31) <= number < 2**31:
+            raise NavfmuError(f"{what}: expected an integer from -2147483648 to 2147483647")
         number = int(number)
     check_range(variable, number, where)
     return number

@@ -55,6 +55,12 @@ def content_hash(path: Path) -> str:
     return digest.hexdigest()
 
 
+def check_unchanged(path: Path, digest: str) -> None:
+    """Refuse a file that has been replaced since it was hashed: the cache would keep the wrong content for good."""
+    if content_hash(path) != digest:
+        raise NavfmuError(f"{path}: was changed by somebody else while it was read; try again")
+
+
 def open_archive(path: Path, kind: str) -> zipfile.ZipFile:
     """Open a zip archive; ``kind`` ("FMU", "SSP") is what the file was expected to be."""
     if not path.exists():
@@ -129,6 +135,7 @@ def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = l
             for entry in entries:
                 if wanted(entry.filename):
                     budget -= _extract(archive, entry, temporary, path, budget)
+            check_unchanged(path, digest)
             _publish(temporary, folder)
             _forget_old(folder.parent)
         finally:
@@ -166,5 +173,11 @@ def _forget_old(folder: Path) -> None:
     """Remove what nobody has used for a while: each build of an FMU leaves a folder here."""
     with suppress(OSError):
         for entry in folder.iterdir():
-            if time.time() - entry.stat().st_mtime > KEEP:
-                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+            if time.time() - entry.stat().st_mtime <= KEEP:
+                continue
+            if entry.is_dir():  # first out of the way, so that nobody finds a folder that is half removed
+                gone = entry.with_name(f".{entry.name}.gone")
+                entry.rename(gone)
+                shutil.rmtree(gone, ignore_errors=True)
+            else:
+                entry.unlink()

@@ -160,7 +160,7 @@ class Fmi2:
         return function
 
 
-@dataclass
+@dataclass(eq=False)
 class Snapshot:
     """The state of a run at a communication point. Belongs to the engine that made it and lives as long as that."""
 

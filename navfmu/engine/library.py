@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -62,7 +63,8 @@ def build(platform: str, native: Path = NATIVE) -> Path:
         raise NavfmuError(f"the engine's binary cannot be written to {path.parent}: {error}") from None
     for old in path.parent.glob("navfmu_engine-*"):
         if old != path:
-            old.unlink(missing_ok=True)
+            with suppress(OSError):  # Windows keeps a library that another process has loaded
+                old.unlink()
     return path
 
 

@@ -167,6 +167,8 @@ def make_plan(
     if algorithm not in ALGORITHMS:
         hint = nearest(algorithm, ALGORITHMS)
         raise NavfmuError(f"unknown algorithm '{algorithm}'{hint} (there are {' and '.join(ALGORITHMS)})")
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**31:
+        raise NavfmuError(f"the seed must be a whole number from 0 to 2147483647, not {seed!r}")
     clock = Clock.of(step, stop)
     every = 1 if record_period is None else clock.multiple(record_period, "recording period")
     by_name = _by_name(components)
@@ -375,15 +377,16 @@ def _start(component: Component, variable: Variable, value: Any) -> Any:
         if not isinstance(value, bool) and value not in (0, 1):
             raise NavfmuError(f"the start value of {name} must be true or false, not {value!r}")
         return bool(value)
-    if not is_number(value) or (variable.type == "Integer" and value != int(value)):
-        expected = "a whole number" if variable.type == "Integer" else "a number"
+    whole = variable.type == "Integer"
+    if not is_number(value) or (whole and not (-(2**31) <= value < 2**31 and value == int(value))):
+        expected = "a whole number from -2147483648 to 2147483647" if whole else "a number"
         raise NavfmuError(f"the start value of {name} must be {expected}, not {value!r}")
     low = -np.inf if variable.min is None else variable.min
     high = np.inf if variable.max is None else variable.max
     if not low <= value <= high:
         unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
         raise NavfmuError(f"{name} = {value:.9g}{unit} is outside its range {low:.9g} to {high:.9g}{unit}")
-    return int(value) if variable.type == "Integer" else float(value)
+    return int(value) if whole else float(value)
 
 
 def _undisturbed(component: Component, name: str) -> float:

@@ -6,7 +6,6 @@ import hashlib
 import importlib.util
 import os
 import shutil
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable
@@ -18,6 +17,7 @@ from typing import Any
 from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 from navfmu.export.fingerprint import fingerprint
+from navfmu.unpack import cache_directory
 
 RUNTIME = Path(__file__).parent / "runtime"
 LICENSES = Path(__file__).parent / "licenses"
@@ -59,7 +59,8 @@ def build(
     """Build one FMU for each component class (or lowered model) and return their paths, in order.
 
     ``platforms`` are ``"host"``, ``"all"`` or platform names of FMI 2 or FMI 3. What has not changed is taken from the
-    cache (:func:`cache_folder`): a finished FMU when its sources are the same, else each library when its C code is.
+    cache (:func:`navfmu.unpack.cache_directory`): a finished FMU when its sources are the same, else each library when
+    its C code is.
     """
     return [built.path for built in build_all(models, out_dir, platforms, jobs, progress)]
 
@@ -169,7 +170,7 @@ def library(sources: Sources, platform: str) -> Path:
     digest = hashlib.sha256()
     for part in (*(p for item in sorted(sources.files.items()) for p in item), *toolchain.FLAGS, toolchain.version()):
         digest.update(part.encode() + b"\0")
-    path = cache_folder() / "libraries" / f"{digest.hexdigest()[:32]}-{platform}" / name
+    path = cache_directory() / "libraries" / f"{digest.hexdigest()[:32]}-{platform}" / name
     if path.is_file():
         os.utime(path)
         return path
@@ -219,22 +220,9 @@ def _licenses() -> dict[str, str]:
 # ---- cache ----
 
 
-def cache_folder() -> Path:
-    """Return the folder of the cache: ``$NAVFMU_CACHE`` or ``navfmu`` in the user's cache folder."""
-    if chosen := os.environ.get("NAVFMU_CACHE"):
-        return Path(chosen)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home()))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "navfmu"
-
-
 def _take(key: str, path: Path) -> bool:
     """Put the FMU with this key in its place, if the cache has it."""
-    kept = cache_folder() / "fmus" / f"{key}.fmu"
+    kept = cache_directory() / "fmus" / f"{key}.fmu"
     if not kept.is_file():
         return False
     os.utime(kept)
@@ -246,7 +234,7 @@ def _take(key: str, path: Path) -> bool:
 
 def _keep(key: str | None, path: Path) -> None:
     if key:
-        kept = cache_folder() / "fmus" / f"{key}.fmu"
+        kept = cache_directory() / "fmus" / f"{key}.fmu"
         kept.parent.mkdir(parents=True, exist_ok=True)
         _copy(path, kept)
 
@@ -264,7 +252,7 @@ def _prune() -> None:
     """Forget what nobody used for a month."""
     limit = time.time() - _KEEP
     for folder in ("fmus", "libraries"):
-        for file in (cache_folder() / folder).rglob("*"):
+        for file in (cache_directory() / folder).rglob("*"):
             try:
                 if file.is_file() and file.stat().st_mtime < limit:
                     file.unlink()

@@ -10,6 +10,7 @@ import sysconfig
 from functools import cache
 from pathlib import Path
 
+from navfmu import __version__
 from navfmu.export.declaration import Component
 
 #: Files beside a model's modules that it may read, such as coefficients.
@@ -44,7 +45,7 @@ def fingerprint(component: type[Component], *parts: str) -> str | None:
 @cache
 def _exporter() -> str:
     """Return a hash of the exporter and of the tools' versions."""
-    digest = hashlib.sha256("\0".join([sys.version, *(_version(tool) for tool in _TOOLS)]).encode())
+    digest = hashlib.sha256("\0".join([__version__, sys.version, *(_version(tool) for tool in _TOOLS)]).encode())
     for file in sorted(_EXPORT.rglob("*")):
         if file.suffix in {".py", ".c", ".h", ".txt"}:
             _add(digest, file)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import RLock
 from typing import Any
 
 import casadi as ca
@@ -422,20 +423,30 @@ def expressions(array: Any) -> list[ca.SX]:
     return [ca.SX(expression(e)) for e in _object(array).ravel().tolist()]
 
 
+_GLOBAL = RLock()  # one thread at a time changes what belongs to the whole process, and changes it back
+
+
 @contextmanager
 def as_written() -> Iterator[None]:
     """Keep CasADi from rewriting expressions that are made meanwhile (it would turn (x + y) - y into x)."""
-    rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
-    try:
-        ca.GlobalOptions.setSimplificationOnTheFly(False)
-        yield
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
+    with _GLOBAL:
+        rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
+        try:
+            ca.GlobalOptions.setSimplificationOnTheFly(False)
+            yield
+        finally:
+            ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
 
 
 @contextmanager
 def tracing() -> Iterator[None]:
     """While tracing, ``np.array`` and its kin return traced arrays, and CasADi does not rewrite expressions."""
+    with _GLOBAL, _traced_arrays(), as_written():
+        yield
+
+
+@contextmanager
+def _traced_arrays() -> Iterator[None]:
     originals = {name: getattr(np, name) for name in ("array", "asarray", "asanyarray", "ascontiguousarray", "full")}
 
     def replaced(name: str) -> Callable:
@@ -458,8 +469,7 @@ def tracing() -> Iterator[None]:
     try:
         for name in originals:
             setattr(np, name, full if name == "full" else replaced(name))
-        with as_written():
-            yield
+        yield
     finally:
         for name, original in originals.items():
             setattr(np, name, original)

@@ -48,7 +48,9 @@ def test_whole_numbers_cannot_be_scaled():
         ({"gain": 11.0}, r"'a.gain' = 11 is outside its range -10 to 10"),
         ({"tau": "fast"}, "must be a number, not 'fast'"),
         ({"tau": True}, "must be a number, not True"),
-        ({"number": 1.5}, "must be a whole number, not 1.5"),
+        ({"number": 1.5}, "must be a whole number from -2147483648 to 2147483647, not 1.5"),
+        ({"number": 2**31}, "must be a whole number from -2147483648 to 2147483647, not 2147483648"),
+        ({"number": float("inf")}, "must be a whole number from -2147483648 to 2147483647, not inf"),
         ({"flag": "yes"}, "must be true or false, not 'yes'"),
         ({"label": 3}, "must be a text, not 3"),
         ({"y": 1.0}, "'a.y' cannot be given a start value: it is a continuous output"),
@@ -74,6 +76,12 @@ def test_impossible_start_values(start, sentence):
 def test_impossible_recordings(name, sentence):
     with pytest.raises(NavfmuError, match=sentence):
         plan(record=[name])
+
+
+@pytest.mark.parametrize("seed", [-1, 2**31, 1.0, True])
+def test_impossible_seeds(seed):
+    with pytest.raises(NavfmuError, match="the seed must be a whole number from 0 to 2147483647, not"):
+        plan(seed=seed)
 
 
 def test_unknown_algorithm():

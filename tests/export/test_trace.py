@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -292,3 +293,31 @@ def test_numpy_is_left_as_it_was():
     with pytest.raises(NavfmuError), trace.tracing():
         traced(_branch, A)
     assert before == (np.array, np.asarray, np.full, ca.GlobalOptions.getSimplificationOnTheFly())
+
+
+def test_two_threads_that_trace_at_once_leave_numpy_and_casadi_as_they_were():
+    originals, rewriting = (np.array, np.full), ca.GlobalOptions.getSimplificationOnTheFly()
+    first_inside, second_started = threading.Event(), threading.Event()
+    inside = []
+
+    def first():
+        with trace.tracing():
+            first_inside.set()
+            second_started.wait(5.0)
+            time.sleep(0.05)
+            inside.append("first")
+
+    def second():
+        first_inside.wait(5.0)
+        second_started.set()
+        with trace.tracing():
+            inside.append("second")
+
+    threads = [threading.Thread(target=function) for function in (first, second)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(10.0)
+    assert inside == ["first", "second"]
+    assert (np.array, np.full) == originals
+    assert ca.GlobalOptions.getSimplificationOnTheFly() == rewriting

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -82,6 +83,34 @@ def test_many_threads_unpack_one_archive_at_once(tmp_path):
         folders = set(pool.map(lambda _: unpack.unpack(file, "FMU", digest), range(32)))
     assert len(folders) == 1 and (folders.pop() / "modelDescription.xml").is_file()
     assert not list((tmp_path / "cache" / "fmu").glob(".*"))
+
+
+def test_a_file_that_is_replaced_while_it_is_read_leaves_nothing_in_the_cache(tmp_path, cache, monkeypatch):
+    old, new = fmus.sensor(tmp_path), tmp_path / "new.fmu"
+    new.write_bytes(old.read_bytes())
+    with zipfile.ZipFile(new, "a") as archive:
+        archive.writestr("resources/table.csv", "x")
+    digest = unpack.content_hash(old)
+    new.replace(old)
+    with pytest.raises(NavfmuError, match=r"sensor\.fmu: was changed by somebody else while it was read"):
+        unpack.unpack(old, "FMU", digest)
+    with monkeypatch.context() as patch:
+        patch.setattr(fmu, "content_hash", lambda path: digest)
+        with pytest.raises(NavfmuError, match="was changed by somebody else"):
+            fmu.describe(old)
+    assert not list((cache / "fmu").iterdir())
+    assert (fmu.load(old).folder / "resources" / "table.csv").is_file()
+
+
+def test_what_nobody_used_for_a_month_is_removed_as_a_whole(tmp_path, cache):
+    file = fmus.sensor(tmp_path)
+    unused = cache / "fmu" / "unused"
+    (unused / "binaries").mkdir(parents=True)
+    (cache / "fmu" / "unused.json").write_text("{}")
+    for path in (unused, cache / "fmu" / "unused.json"):
+        os.utime(path, (0, 0))
+    folder = unpack.unpack(file, "FMU", unpack.content_hash(file))
+    assert [path.name for path in (cache / "fmu").iterdir()] == [folder.name]
 
 
 def archive_with(path, *entries):
