@@ -14,7 +14,7 @@ run: build
 
 test: $(READY)
 	@$(BIN)/python build_fmus.py
-	@$(BIN)/python -m pytest -n $(JOBS) -q
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
 
 evidence: build
 	@$(BIN)/python -m evidence --out results/evidence
@@ -32,4 +32,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) dist results build
+	rm -rf $(VENV) dist results

@@ -1,6 +1,6 @@
 """Build the one wheel: package, engine for five platforms, built FMUs and systems.
 
-``python -m tools.wheel --out dist`` stages a copy of the package in ``build/wheel``, adds what the checkout builds on
+``python -m tools.wheel --out dist`` stages a copy of the package in a temporary folder, adds what the checkout builds on
 demand (``navfmu/shipped``, ``navfmu/engine/native``) and runs pip there, so that the checkout itself stays clean.
 """
 
@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from navfmu.engine.library import build_all
 
@@ -21,8 +22,6 @@ PACKAGED = ("c", "h", "so", "dll", "dylib", "fmu", "ssp", "toml", "md", "txt", "
 
 def stage(folder: Path) -> None:
     """Copy the package and its metadata to an empty ``folder`` and build everything shipped into it."""
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     skip = shutil.ignore_patterns("__pycache__", "shipped", "native")
     shutil.copytree(ROOT / "navfmu", folder / "navfmu", ignore=skip)
     for name in ("README.md", "LICENSE"):
@@ -47,10 +46,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the wheel (default: dist)")
     out = parser.parse_args().out.resolve()
-    folder = ROOT / "build" / "wheel"
-    stage(folder)
-    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(out), str(folder)]
-    subprocess.run(pip, check=True)
+    with TemporaryDirectory(prefix="navfmu-wheel-") as folder:
+        stage(Path(folder))
+        pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(out), folder]
+        subprocess.run(pip, check=True)
     wheel = max(out.glob("navfmu-*.whl"), key=lambda path: path.stat().st_mtime)
     print(f"{wheel} ({wheel.stat().st_size / 1e6:.1f} MB)")
 
