@@ -28,7 +28,7 @@ build: $(READY)
 $(READY): pyproject.toml
 	@echo "Setting up $(VENV): about 600 MB of packages (a compiler for five platforms among them), a few minutes once"
 	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --progress-bar on -e ".[test]"
+	@$(BIN)/python -m pip install --disable-pip-version-check -e ".[test]"
 	@touch $@
 
 clean:

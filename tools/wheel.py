@@ -1,7 +1,7 @@
 """Build the one wheel: package, engine for five platforms, built FMUs and systems.
 
-``python -m tools.wheel --out dist`` stages a copy of the package in a temporary folder, adds what the checkout builds on
-demand (``navfmu/shipped``, ``navfmu/engine/native``) and runs pip there, so that the checkout itself stays clean.
+``python -m tools.wheel --out dist`` stages a copy of the package in a temporary folder, adds what the checkout builds
+on demand (``navfmu/shipped``, ``navfmu/engine/native``) and runs pip there, so that the checkout itself stays clean.
 """
 
 from __future__ import annotations
