@@ -11,7 +11,7 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 PLACES = stations.PLACES
 
 
-class Dme(Component):
+class Dme(stations.StationTable, Component):
     """DME receiver with up to five ground transponders: slant ranges by schedule, with coverage and errors.
 
     Ranges (thesis section 2.5.5 and 3.9, p. 69). The reading of each station is
@@ -60,40 +60,6 @@ class Dme(Component):
         min=1,
         max=3,
         description="receiver: 1 intermittent (one receiver), 2 two-receiver, 3 scanning (thesis section 7.2.2)",
-    )
-    station_count = Parameter(
-        kind="integer",
-        start=stations.DEFAULT["station_count"],
-        min=1,
-        max=PLACES,
-        description="how many of the five places hold a station",
-    )
-    station_latitude = Parameter(
-        PLACES,
-        "rad",
-        start=stations.DEFAULT["station_latitude"],
-        min=-np.pi / 2,
-        max=np.pi / 2,
-        display_unit="deg",
-        description="geodetic latitude of each transponder",
-    )
-    station_longitude = Parameter(
-        PLACES,
-        "rad",
-        start=stations.DEFAULT["station_longitude"],
-        min=-np.pi,
-        max=np.pi,
-        display_unit="deg",
-        description="longitude of each transponder",
-    )
-    station_altitude = Parameter(
-        PLACES,
-        "m",
-        start=stations.DEFAULT["station_altitude"],
-        min=-1000.0,
-        max=10000.0,
-        display_unit="ft",
-        description="height of each transponder above the ellipsoid",
     )
     station_range = Parameter(
         PLACES,

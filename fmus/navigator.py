@@ -12,7 +12,7 @@ PLACES = stations.PLACES
 LONG_AGO = -1.0e9
 
 
-class Navigator(Component):
+class Navigator(stations.StationTable, Component):
     """Backup navigator: dead reckoning with airspeed, heading and wind, aided by GPS while there is GPS, then by DME.
 
     Thesis section 2.3 (calibrating and coasting phase), 6.4 and 6.5 (reduced-order filter). Position is propagated by
@@ -86,40 +86,6 @@ class Navigator(Component):
         min=1,
         max=2,
         description="1: with the correlated bias (our correction); 2: wide-band noise alone, thesis (6.40) as printed",
-    )
-    station_count = Parameter(
-        kind="integer",
-        start=stations.DEFAULT["station_count"],
-        min=1,
-        max=PLACES,
-        description="station database: how many of the five places hold a station",
-    )
-    station_latitude = Parameter(
-        PLACES,
-        "rad",
-        start=stations.DEFAULT["station_latitude"],
-        min=-np.pi / 2,
-        max=np.pi / 2,
-        display_unit="deg",
-        description="station database: geodetic latitude",
-    )
-    station_longitude = Parameter(
-        PLACES,
-        "rad",
-        start=stations.DEFAULT["station_longitude"],
-        min=-np.pi,
-        max=np.pi,
-        display_unit="deg",
-        description="station database: longitude",
-    )
-    station_altitude = Parameter(
-        PLACES,
-        "m",
-        start=stations.DEFAULT["station_altitude"],
-        min=-1000.0,
-        max=10000.0,
-        display_unit="ft",
-        description="station database: height above the ellipsoid",
     )
     update_period = Parameter("s", start=0.1, min=0.001, max=1.0, description="period of dead reckoning")
     fix_timeout = Parameter(

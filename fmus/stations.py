@@ -1,6 +1,7 @@
 """DME stations of the shipped systems: facts typed in, and their form as values of the parameters of dme and navigator.
 
-``STATION_SETS["thesis_like"].parameters()`` gives names and values, the same for both components.
+``STATION_SETS["thesis_like"].parameters()`` gives names and values, the same for both components, which inherit the
+parameters themselves from ``StationTable``.
 """
 
 from __future__ import annotations
@@ -9,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from navfmu.export import Parameter
 
 FOOT = 0.3048
 NAUTICAL_MILE = 1852.0
@@ -82,3 +85,45 @@ BAY_AREA = StationSet(
 STATION_SETS = {"thesis_like": THESIS_LIKE, "bay_area": BAY_AREA}
 DEFAULT = THESIS_LIKE.parameters()
 """Start values of the station parameters."""
+
+
+class StationTable:
+    """The stations as parameters, for components to inherit: where they are (receiver) or are believed to be (filter).
+
+    Both are set alike (``StationSet.parameters``); a navigator with a wrong database is given other values.
+    """
+
+    station_count = Parameter(
+        kind="integer",
+        start=DEFAULT["station_count"],
+        min=1,
+        max=PLACES,
+        description="how many of the five places hold a station",
+    )
+    station_latitude = Parameter(
+        PLACES,
+        "rad",
+        start=DEFAULT["station_latitude"],
+        min=-np.pi / 2,
+        max=np.pi / 2,
+        display_unit="deg",
+        description="geodetic latitude of each station",
+    )
+    station_longitude = Parameter(
+        PLACES,
+        "rad",
+        start=DEFAULT["station_longitude"],
+        min=-np.pi,
+        max=np.pi,
+        display_unit="deg",
+        description="longitude of each station",
+    )
+    station_altitude = Parameter(
+        PLACES,
+        "m",
+        start=DEFAULT["station_altitude"],
+        min=-1000.0,
+        max=10000.0,
+        display_unit="ft",
+        description="height of each station above the ellipsoid",
+    )
