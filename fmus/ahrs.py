@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus import examples
 from models import ahrs, attitude, earth, kalman
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, on_new
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
 
 
 class Ahrs(Component):
@@ -39,6 +40,17 @@ class Ahrs(Component):
     """
 
     tick = "sample_period"
+    example = Example(
+        {"sample_period": 0.05},
+        text="A full circle at 3 deg/s in level flight (60 to 184 s), with gyros that are wrong by 0.15 deg/s in roll "
+        "and -0.1 deg/s in yaw. The angles follow the truth (dashed). In straight flight (`aiding` 1) the "
+        "accelerometers aid and the biases of the gyros are learned, in the turn (0) the magnetic field aids alone.",
+        duration=300.0,
+        step=0.05,
+        inputs=examples.ahrs_inputs,
+        shows=("gyro_bias", "heading_sigma", "aiding"),
+        panels=examples.ahrs_panels,
+    )
 
     imu = Bundle(
         rate=Input(3, "rad/s", display_unit="deg/s", description="angular rate, body axes"),

@@ -32,6 +32,9 @@ class AirData(Component):
     example = Example(
         {"altitude": 1500.0, "velocity_n": (46.3, 0.0, 0.0)},
         steps={"altitude": 300.0, "wind_n": (-10.0, 0.0, 0.0)},
+        text="The aircraft is 300 m higher at once and meets a head wind of 10 m/s: airspeeds rise by 19.4 kn less "
+        "what the thinner air takes from the calibrated one, temperature falls by 2 degrees. The slow wandering is the "
+        "Gauss-Markov error of the instruments.",
     )
 
     altitude = Input("m", display_unit="ft", description="true height above the ellipsoid")
@@ -45,10 +48,10 @@ class AirData(Component):
         start=2.6,
         min=0.0,
         display_unit="kn",
-        description="standard deviation of the airspeed error, thesis (3.33): 2.6 m/s (5 kt)",
+        description="standard deviation of the airspeed error, thesis (3.32): 2.6 m/s (5 kt)",
     )
     airspeed_error_time = Parameter(
-        "s", start=400.0, min=1.0, description="correlation time of the airspeed error, thesis (3.33): 400 s"
+        "s", start=400.0, min=1.0, description="correlation time of the airspeed error, thesis (3.32): 400 s"
     )
     airspeed_noise_sigma = Parameter(
         "m/s",

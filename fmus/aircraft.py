@@ -59,7 +59,13 @@ class Aircraft(Component):
     """
 
     name = "aircraft"
-    example = Example(_EXAMPLE.parameters(), steps={"wind_n": (0.0, 8.0, 0.0)})
+    example = Example(
+        _EXAMPLE.parameters(),
+        steps={"wind_n": (0.0, 8.0, 0.0)},
+        text="A wind of 8 m/s to the east sets in during straight flight to the north: the nose turns into it, the "
+        "track does not change. At 20 s a right turn through 60 degrees with a descent begins: roll, turn rate and "
+        "specific force change smoothly, and the aircraft descends with its nose on the flight path.",
+    )
 
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus import stations
+from fmus import examples, stations
 from models import dme, gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
@@ -42,8 +42,14 @@ class Dme(stations.StationTable, Component):
     """
 
     example = Example(
-        {"latitude": 0.66, "longitude": -2.125, "altitude": 2000.0, "mode": 3},
-        steps={"altitude": 1000.0, "velocity_n": (40.0, 20.0, 0.0)},
+        text="Level flight to the west at 90 kt with one receiver. It measures the two stations in turn, one every "
+        "15 s, and the bundle holds the last range of each, so between measurements the ranges (steps) stay behind the "
+        "truth (dashed). The error of each measurement is the bias, 315 m (1 sigma), forgotten within 20 s.",
+        duration=300.0,
+        step=0.5,
+        inputs=examples.dme_inputs,
+        shows=("ranging.sequence", "ranging.valid"),
+        panels=examples.dme_panels,
     )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")

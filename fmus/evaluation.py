@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus import examples
 from models import evaluation
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every
 
 
 class Evaluation(Component):
@@ -16,6 +17,26 @@ class Evaluation(Component):
     standard deviations. Everything that counts or accumulates does so while the navigator coasts without GPS (`mode`
     2), every `update_period`; `limit` is the requirement of 0.5 n.mi. (thesis section 1.4, 7.3).
     """
+
+    example = Example(
+        text="A solution drifts to the north, faster and faster, once GPS is lost at 60 s (dotted), while its filter "
+        "claims a sigma that grows evenly. First the error leaves three sigma (`consistent` falls to 0 and its share "
+        "goes down), then it passes 926 m and `exceeded_share` rises. Shares and the maximum count the coasting time.",
+        duration=600.0,
+        step=1.0,
+        mark=60.0,
+        inputs=examples.evaluation_inputs,
+        shows=(
+            "north_error",
+            "horizontal_error",
+            "consistent",
+            "consistent_share",
+            "exceeded_share",
+            "maximum_error",
+            "coasting_time",
+            "normalised_error",
+        ),
+    )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus import examples
 from models import gps
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, every
 
@@ -20,7 +21,15 @@ class Gps(Component):
     silent (a dropout) must be noticed by its consumers from the age of the last fix.
     """
 
-    example = Example({"latitude": 0.66, "longitude": -2.125, "altitude": 2000.0})
+    example = Example(
+        text="Level flight to the west at 90 kt, jammed from 40 s on (dotted): `valid` falls to 0, the values are "
+        "held. Before that a fix comes each second, with errors that are independent from one to the next.",
+        step=0.5,
+        mark=examples.JAMMED,
+        inputs=examples.gps_inputs,
+        shows=("fix.longitude", "fix.velocity_n", "fix.valid", "fix.sequence"),
+        panels=examples.gps_panels,
+    )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")

@@ -32,7 +32,11 @@ class Imu(Component):
     """
 
     name = "imu"
-    example = Example(steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)})
+    example = Example(
+        steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)},
+        text="The readings step with the truth, offset by the drift of each axis (up to tenths of a degree per second "
+        "with the gyros of this grade, a milli-g with the accelerometers) and under wide-band noise.",
+    )
 
     specific_force = Input(
         3, "m/s2", start=(0.0, 0.0, -STANDARD_GRAVITY), description="true specific force in body axes"

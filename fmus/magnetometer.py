@@ -31,6 +31,9 @@ class Magnetometer(Component):
     example = Example(
         {"latitude": 0.6581, "longitude": -2.1262, "altitude": 1500.0, "heading": 1.0},
         steps={"heading": 0.5},
+        text="The aircraft turns by 28.65 degrees at once: the horizontal field moves between the forward [1] and the "
+        "right [2] axis, the downward part [3] stays. Constant offsets of some mG are the hard iron left by the "
+        "calibration.",
     )
 
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")

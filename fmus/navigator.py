@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus import stations
+from fmus import examples, stations
 from models import dme, gps, kalman, navigator
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, on_new
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
 
 PLACES = stations.PLACES
 LONG_AGO = -1.0e9
@@ -55,6 +55,20 @@ class Navigator(stations.StationTable, Component):
 
     *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
     """
+
+    example = Example(
+        text="Level flight to the west at 90 kt in a wind of 8 m/s, with heading wrong by 1 degree and airspeed by "
+        "2 m/s. GPS is lost at 300 s (dotted). While there is GPS the position is good to metres and the wind "
+        "is learned (together with what heading and airspeed are wrong by). Then one DME range every 15 s, each "
+        "wrong by some 315 m, keeps the error inside three sigma (dashed).",
+        duration=1200.0,
+        step=0.1,
+        mark=examples.GPS_LOST,
+        inputs=examples.navigator_inputs,
+        periods={"fix": 1.0, "ranging": 15.0},
+        shows=("solution.wind_n", "mode", "hdop", "used"),
+        panels=examples.navigator_panels,
+    )
 
     attitude = Bundle(
         heading=Input("rad", display_unit="deg", description="true heading"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models import aircraft, attitude, gauss_markov, recorded_track
-from navfmu.export import Component, Input, Output, Parameter, State, Table, every, start
+from navfmu.export import Component, Example, Input, Output, Parameter, State, Table, every, start
 
 _COLUMNS = (
     ("time", "s"),
@@ -41,6 +41,11 @@ class Track(Component):
     """
 
     name = "track"
+    example = Example(
+        steps={"wind_n": (0.0, 8.0, 0.0)},
+        text="The built-in track, level flight to the north-east. When a wind of 8 m/s to the east sets in the nose "
+        "turns into it, through two lags of 1.25 s each; the track over ground stays what was recorded.",
+    )
 
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from models import gauss_markov
-from navfmu.export import Component, Output, Parameter, State, every, start
+from navfmu.export import Component, Example, Output, Parameter, State, every, start
 
 
 class Wind(Component):
@@ -24,6 +24,11 @@ class Wind(Component):
     """
 
     name = "wind"
+    example = Example(
+        duration=1800.0,
+        text="Half an hour of wind, which wanders by 5 m/s (10 kn) on each axis and forgets within some 400 s. Another "
+        "`seed` gives another wind.",
+    )
 
     mean_n = Parameter(
         3, "m/s", start=0.0, min=-100.0, max=100.0, display_unit="kn", description="mean wind, north, east, down"

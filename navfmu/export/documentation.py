@@ -25,22 +25,26 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto
 h1 { margin-bottom: 0; } h2 { margin-top: 2.2rem; border-bottom: 1px solid #ccd5dd; } h3 { margin-bottom: 0.2rem; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.8rem 0.25rem 0; border-bottom: 1px solid #e3e8ed; }
-td:nth-child(-n+4) { max-width: 13rem; overflow-wrap: anywhere; } td:nth-child(5) { min-width: 16rem; }
+td:nth-child(-n+2) { white-space: nowrap; } td:nth-child(n+3) { max-width: 12rem; overflow-wrap: break-word; }
+td:nth-child(5) { min-width: 14rem; max-width: none; }
+dl { display: grid; grid-template-columns: max-content auto; gap: 0.2rem 1.2rem; margin: 0.6rem 1rem; }
+dd { margin: 0; }
 code, pre { font: 0.85rem/1.45 ui-monospace, monospace; }
 pre { background: #f4f6f8; padding: 0.7rem 1rem; overflow-x: auto; border-radius: 4px; }
 img { max-width: 100%; } .quiet { color: #5d6b78; } summary { cursor: pointer; color: #24567f; }
 """
 
 
-def page(model: ir.Model, response: Response | None = None, classes: Iterable[type] = ()) -> str:
+def page(model: ir.Model, response: Response | None = None, classes: Iterable[type] = (), *, twin: bool = False) -> str:
     """Return the page as one HTML document without references to anything outside.
 
     ``classes`` is the component class, if it is at hand: then the equations that its tasks call are shown too.
+    ``twin`` says that this is the page of the Python twin.
     """
     told = model.documentation
     parts = [f"<h1>{_escape(model.name)}</h1>", f'<p class="quiet">{_escape(model.description)}</p>']
     parts.append(_text(told.get("text", "")))
-    if response is not None and response.indices:
+    if response is not None and (response.indices or response.panels):
         parts += ["<h2>Response</h2>", _caption(model, response), _image(picture(model, response))]
     parts += ["<h2>Inputs</h2>", _variables(model, "input")]
     parts += ["<h2>Outputs</h2>", _variables(model, "output")]
@@ -53,7 +57,7 @@ def page(model: ir.Model, response: Response | None = None, classes: Iterable[ty
     functions = [found for component in classes for found in _equations(component, model)]
     if functions:
         parts += ["<h2>Equations</h2>", *functions]
-    parts += ["<h2>Interface</h2>", _interface(model)]
+    parts += ["<h2>Interface</h2>", _interface(model, twin)]
     body = "\n".join(part for part in parts if part)
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{_escape(model.name)}</title>\n'
@@ -67,35 +71,50 @@ def picture(model: ir.Model, response: Response) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    groups: dict[str, list[int]] = {}
-    for column, index in enumerate(response.indices):
-        groups.setdefault(_base(model.variables[index].name), []).append(column)
-    names = list(groups)[:10]
-    rows = -(-len(names) // 2)
+    panels = _panels(model, response)
+    rows = -(-len(panels) // 2)
     figure = Figure(figsize=(9.0, 0.6 + 1.9 * rows), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
-    for place, name in enumerate(names):
-        axes = figure.add_subplot(rows, 2 if len(names) > 1 else 1, place + 1)
-        for column in groups[name]:
-            variable = model.variables[response.indices[column]]
-            scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
-            label = variable.name[len(name) :] or None
-            axes.plot(response.time, scale * response.values[:, column] + offset, linewidth=0.9, label=label)
-        unit = display(variable, 0.0)[1]
-        axes.set_title(f"{name} ({unit})" if unit else name, fontsize=9, loc="left")
+    for place, (title, curves) in enumerate(panels.items()):
+        axes = figure.add_subplot(rows, 2 if len(panels) > 1 else 1, place + 1)
+        colours = iter(f"C{i}" for i in range(10))
+        for label, curve in curves.items():
+            dashed = label.startswith("~")
+            style = {"color": "0.25", "linestyle": "--"} if dashed else {"color": next(colours)}
+            name = label.lstrip("~").rstrip() or None
+            axes.plot(response.time, curve, linewidth=0.9, label=name, **style)
+        axes.set_title(title, fontsize=9, loc="left")
         axes.tick_params(labelsize=8)
         axes.ticklabel_format(axis="y", useOffset=False)
         axes.grid(alpha=0.3)
         axes.margins(x=0)
-        if response.stepped:
+        axes.set_xlim(response.time[0], response.time[-1])
+        if response.onset is not None:
             axes.axvline(response.onset, color="0.5", linewidth=0.8, linestyle=":")
-        if len(groups[name]) > 1:
-            axes.legend(fontsize=7, ncols=min(5, len(groups[name])), frameon=False)
-        if place >= len(names) - 2:
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(fontsize=7, ncols=min(5, len(curves)), frameon=False)
+        if place >= len(panels) - 2:
             axes.set_xlabel("time (s)", fontsize=8)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
+
+
+def _panels(model: ir.Model, response: Response) -> dict[str, dict[str, Any]]:
+    """Return the curves by label for each pair of axes: those of the example, then its outputs."""
+    panels = {title: dict(curves) for title, curves in response.panels.items()}
+    groups: dict[str, list[int]] = {}
+    for column, index in enumerate(response.indices):
+        groups.setdefault(_base(model.variables[index].name), []).append(column)
+    for name, columns in list(groups.items())[: max(10 - len(panels), 1)]:
+        curves = {}
+        for column in columns:
+            variable = model.variables[response.indices[column]]
+            scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
+            curves[variable.name[len(name) :]] = scale * response.values[:, column] + offset
+        unit = display(variable, 0.0)[1]
+        panels[f"{name} ({unit})" if unit else name] = curves
+    return panels
 
 
 def _image(png: bytes) -> str:
@@ -103,12 +122,17 @@ def _image(png: bytes) -> str:
 
 
 def _caption(model: ir.Model, response: Response) -> str:
-    words = f"{response.time[-1]:.6g} s from the start values"
-    if response.example:
-        short = {name: np.asarray(value).tolist() for name, value in response.example.items() if np.size(value) <= 3}
-        told = [f"<code>{_escape(f'{name} = {_short(value)}')}</code>" for name, value in short.items()]
-        told += ["values of its own for " + ", ".join(f"<code>{n}</code>" for n in response.example if n not in short)]
-        words += " with " + ", ".join(told if len(short) < len(response.example) else told[:-1])
+    example = response.example
+    values = example.values
+    words = f"{response.time[-1]:.6g} s with "
+    if values:
+        known = {name: v for v in reversed(model.variables) for name in (v.name, _base(v.name))}
+        short = {name: value for name, value in values.items() if np.size(value) <= 3}
+        told = [f"<code>{_escape(f'{name} = {_shown(known[name], value)}')}</code>" for name, value in short.items()]
+        if long := [f"<code>{name}</code>" for name in values if name not in short]:
+            told.append("values of its own for " + ", ".join(long))
+        words += ", ".join(told) + " and otherwise "
+    words += "the start values"
     if response.stepped:
         heights: dict[str, list[str]] = {}
         units: dict[str, str] = {}
@@ -121,15 +145,23 @@ def _caption(model: ir.Model, response: Response) -> str:
             f"<code>{name}</code> by {of[0] if len(set(of)) == 1 else '[' + ', '.join(of) + ']'} {units[name]}".rstrip()
             for name, of in heights.items()
         ]
-        words += f"; at {response.onset:.6g} s (dotted) the inputs step: {', '.join(steps)}"
-    if response.fed:
-        names = ", ".join(f"<code>{name}</code>" for name in response.fed)
-        words += f". New data arrives at every communication point in {names}"
-    return f"<p>{words}.</p>"
+        words += f"; at {response.time[-1] / 5:.6g} s (dotted) inputs step: {', '.join(steps)}"
+    often = [
+        f"<code>{name}</code> every {example.periods[name]:g} s" for name in response.fed if name in example.periods
+    ]
+    always = ", ".join(f"<code>{name}</code>" for name in response.fed if name not in example.periods)
+    often += [f"{always} at every communication point"] if always else []
+    if often:
+        words += f". New data comes in {', in '.join(often)}"
+    text = f"<p>{_inline(example.text)}</p>\n" if example.text else ""
+    return f'{text}<p class="quiet">{words}.</p>'
 
 
-def _short(value: Any) -> str:
-    return f"[{', '.join(map(_short, value))}]" if isinstance(value, list) else f"{value:.6g}"
+def _shown(variable: ir.Variable, value: Any) -> str:
+    """Return a value, or some of a vector, with its display unit."""
+    numbers = [display(variable, float(number)) for number in np.ravel(value)]
+    text = ", ".join(f"{number:.6g}" for number, _ in numbers)
+    return f"{f'[{text}]' if np.ndim(value) else text} {numbers[0][1]}".rstrip()
 
 
 def _base(name: str) -> str:
@@ -171,7 +203,7 @@ def _row(name: str, group: list[ir.Variable]) -> str:
 def _value(variable: ir.Variable, value: float) -> str:
     if variable.type == "Boolean":
         return "true" if value else "false"
-    text = f"{value:.6g}"
+    text = f"{value:.6g}" if variable.type == "Real" else str(round(value))
     number, unit = display(variable, value)
     if variable.display_unit and variable.display_unit != variable.unit and value:
         text += f" ({number:.6g} {unit})"
@@ -214,7 +246,7 @@ def _requirements(model: ir.Model) -> list[str]:
     return ["<h2>Requirements</h2>", "<p>Initialisation fails with these words:</p>", "<ul>", *rows, "</ul>"]
 
 
-def _interface(model: ir.Model) -> str:
+def _interface(model: ir.Model, twin: bool) -> str:
     noise = ""
     if model.seed is not None:
         noise = (
@@ -222,10 +254,23 @@ def _interface(model: ir.Model) -> str:
             "samples alone (Philox4x64-10, Box-Muller): the same seed gives the same noise at every communication "
             "step size; two instances of this FMU need two streams."
         )
-    return (
+    needs = (
+        "<p>This is the <em>Python twin</em> of the native FMU of the same name, for tests and for a debugger: the "
+        "same model, variables and numbers, run by PythonFMU. It needs a Python 3 with NumPy where it runs (the host "
+        "loads that Python's library), is much slower, and does not interpolate its inputs. Where there is no "
+        f"Python, or speed matters, use the native <code>{_escape(model.name)}.fmu</code>, which needs nothing.</p>\n"
+        if twin
+        else ""
+    )
+    inputs = (
+        "All inputs are held over a step."
+        if twin
+        else "Continuous inputs follow their derivative where the host sets one; data in bundles is held."
+    )
+    return needs + (
         "<p>FMI 2.0 for co-simulation, any communication step size; the FMU samples at its own periods inside a step. "
-        "Outputs depend on the state alone. Continuous inputs follow their derivative where the host sets one; data in "
-        "bundles is held. The whole state can be saved, restored and serialised." + noise + "</p>"
+        f"Outputs depend on the state alone. {inputs} "
+        "The whole state can be saved, restored and serialised." + noise + "</p>"
     )
 
 
@@ -283,12 +328,22 @@ def _text(text: str) -> str:
             continue
         if all(line.startswith("  ") for line in lines):
             parts.append(f"<pre>{_escape(inspect.cleandoc(block))}</pre>")
+        elif all(re.match(r"\S+( \S+)? {2,}\S|\s{4}", line) for line in lines):  # name, blanks, meaning
+            items = re.split(r"\n(?=\S)", block)
+            parts.append(
+                "<dl>" + "".join("<dt><code>{}</code></dt><dd>{}</dd>".format(*_term(i)) for i in items) + "</dl>"
+            )
         elif lines[0].lstrip().startswith(("- ", "* ")):
             items = re.split(r"^\s*[-*] ", block, flags=re.M)[1:]
             parts.append("<ul>" + "".join(f"<li>{_inline(item)}</li>" for item in items) + "</ul>")
         else:
             parts.append(f"<p>{_inline(block)}</p>")
     return "\n".join(parts)
+
+
+def _term(item: str) -> tuple[str, str]:
+    name, meaning = re.split(r" {2,}", item, maxsplit=1)
+    return _escape(name), _inline(meaning)
 
 
 def _inline(text: str) -> str:

@@ -1,4 +1,4 @@
-"""An example run of a freshly built FMU: its inputs make a step, its outputs are recorded."""
+"""An example run of a freshly built FMU: its inputs step or follow the example, its outputs are recorded."""
 
 from __future__ import annotations
 
@@ -26,64 +26,122 @@ _MINUTE = 0.0002908882086657216
 
 @dataclass(frozen=True)
 class Response:
-    """Outputs over time. ``values[i, j]`` is variable ``indices[j]`` at ``time[i]`` (s); inputs step at ``onset``."""
+    """Outputs over time. ``values[i, j]`` is variable ``indices[j]`` at ``time[i]`` (s), NaN before its first data."""
 
     time: np.ndarray
     indices: list[int]
     values: np.ndarray
-    onset: float
+    onset: float | None  # when inputs step, or another moment worth a line
     stepped: dict[int, float]  # index of an input -> height of its step
     fed: list[str]  # bundles that were fed
-    example: Mapping[str, Any]  # values other than the start values
+    example: Example
+    panels: Mapping[str, Mapping[str, np.ndarray]]  # title -> label -> curve
 
 
-def step_response(
-    model: ir.Model,
-    guid: str,
-    library: Path,
-    example: Example | None = None,
-    stop: float = 60.0,
-) -> Response:
-    """Run the built library of this machine: inputs step at a fifth of the time, bundles come at every tick.
+def step_response(model: ir.Model, guid: str, library: Path, example: Example | None = None) -> Response:
+    """Run the built library of this machine: inputs step or follow the example, bundles come at their periods.
 
-    ``example`` gives values other than the start values and the height of steps; without it all Real inputs step by
-    something that suits their unit.
+    ``example`` gives values other than the start values, and what the inputs do; without it all Real inputs step by
+    something that suits their unit at a fifth of the time.
     """
     example = example or Example()
     base = _values(model, example.values)
+    stop = example.duration
     periods = [model.variables[i].start for i in codegen.clocks(model)]
     count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
-    h, onset = stop / count, stop / 5
-    bundles = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
-    inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
-    stepped = {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
-    if example.steps is not None:
-        stepped = _values(model, example.steps)
-    reals = [v.index for v in model.variables if v.causality == "output" and v.type == "Real"]
-    shown = [i for i in reals if not model.variables[i].name.endswith(".time_of_validity")]
-    by_name = {v.name: v.index for v in model.variables}
-    time = np.arange(count + 1) * h
-    values = np.empty((count + 1, len(shown)))
+    if example.step:
+        count = round(stop / example.step)
+    time = np.arange(count + 1) * (stop / count)
+    stepped = _stepped(model, example)
+    onset = example.mark if example.mark is not None else stop / 5 if stepped else None
+    feed = _feed(model, example, time, base, stepped, stop / 5)
+    fed = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
+    outputs = [v.index for v in model.variables if v.causality == "output"]
+    values = np.empty((count + 1, len(outputs)))
     with _Run(model, guid, library) as run:
-        for bundle in bundles:
-            flags = [v.index for v in model.variables if v.bundle == bundle and v.type == "Boolean"]
-            run.set(flags, [1] * len(flags), boolean=True)
-        for kind in ("Real", "Integer", "Boolean"):
-            indices = [i for i in base if model.variables[i].type == kind]
-            run.set(indices, [base[i] for i in indices], integer=kind == "Integer", boolean=kind == "Boolean")
+        run.set(base | {i: column[0] for i, column in feed.items() if not model.variables[i].bundle})
         run.initialise()
-        values[0] = run.get(shown)
+        values[0] = run.get(outputs)
         for k in range(count):
-            past = time[k] >= onset
-            indices = list(stepped)
-            starts = (base.get(i, model.variables[i].start) for i in indices)
-            run.set(indices, [s + (stepped[i] if past else 0.0) for i, s in zip(indices, starts, strict=True)])
-            for bundle in bundles:
-                run.set([by_name[f"{bundle}.sequence"]], [k + 1], integer=True)
-                run.set([by_name[f"{bundle}.time_of_validity"]], [time[k]])
-            run.step(k * h, h)
-            values[k + 1] = run.get(shown)
-    return Response(time, shown, values, onset, stepped, bundles, example.values)
+            run.set({index: column[k] for index, column in feed.items() if k == 0 or column[k] != column[k - 1]})
+            run.step(time[k], stop / count)
+            values[k + 1] = run.get(outputs)
+    column = {model.variables[index].name: values[:, j] for j, index in enumerate(outputs)}
+    panels = example.panels({"time": time, **_whole(column)}) if example.panels else {}
+    shown = _shown(model, example)
+    table = np.empty((count + 1, len(shown)))
+    for j, index in enumerate(shown):
+        variable = model.variables[index]
+        table[:, j] = column[variable.name]
+        if variable.bundle:
+            table[column[f"{variable.bundle}.sequence"] == 0, j] = np.nan
+    return Response(time, shown, table, onset, stepped, fed, example, panels)
+
+
+def _stepped(model: ir.Model, example: Example) -> dict[int, float]:
+    """Return the inputs that step, and by how much."""
+    if example.steps is not None or example.inputs is not None:
+        return _values(model, example.steps or {})
+    inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
+    return {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
+
+
+def _feed(
+    model: ir.Model,
+    example: Example,
+    time: np.ndarray,
+    base: Mapping[int, Any],
+    stepped: Mapping[int, float],
+    onset: float,
+) -> dict[int, np.ndarray]:
+    """Return what is set at each communication point: index of an input to its values over time."""
+    feed = {}
+    for index, height in stepped.items():
+        feed[index] = base.get(index, model.variables[index].start) + np.where(time >= onset, height, 0.0)
+    for variable in model.variables:
+        if variable.causality != "input" or not variable.bundle:
+            continue
+        period = example.periods.get(variable.bundle, 0.0)
+        number = np.floor(time / period + 1e-9) + 1 if period else np.arange(len(time)) + 1.0
+        if variable.type == "Boolean":
+            feed[variable.index] = np.ones(len(time))
+        elif variable.name == f"{variable.bundle}.sequence":
+            feed[variable.index] = number
+        elif variable.name == f"{variable.bundle}.time_of_validity":
+            feed[variable.index] = (number - 1) * period if period else time
+    for name, array in (example.inputs(time) if example.inputs else {}).items():
+        rows = np.asarray(array, dtype=float).reshape(len(time), *np.shape(array)[1:])
+        for index in _values(model, {name: rows[0]}):
+            place = model.variables[index].name[len(name) :].strip("[]")
+            column = rows[(slice(None), *(int(i) - 1 for i in place.split(",")))] if place else rows
+            # a value that is not data of a bundle is that of the step's end, when the component looks at it
+            feed[index] = column if model.variables[index].bundle else np.append(column[1:], column[-1])
+    return feed
+
+
+def _whole(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns with those of one vector joined: ``x[1]``, ``x[2]`` become ``x`` of two columns."""
+    groups: dict[str, list[np.ndarray]] = {}
+    for name, column in columns.items():
+        groups.setdefault(name.partition("[")[0], []).append(column)
+    return {name: columns[name] if name in columns else np.stack(group, axis=1) for name, group in groups.items()}
+
+
+def _shown(model: ir.Model, example: Example) -> list[int]:
+    """Return the outputs in the picture, in the order of the example."""
+    outputs = {v.name: v for v in model.variables if v.causality == "output"}
+    if example.shows is None:
+        real = [v for v in outputs.values() if v.type == "Real" and not v.name.endswith(".time_of_validity")]
+        return [v.index for v in real]
+    shown = []
+    for name in example.shows:
+        found = [v.index for full, v in outputs.items() if name in (full, full.partition("[")[0])]
+        if not found:
+            raise NavfmuError(
+                f"component '{model.name}': its example shows '{name}', which is no output{nearest(name, outputs)}"
+            )
+        shown += found
+    return shown
 
 
 def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
@@ -159,19 +217,32 @@ class _Run:
     def step(self, time: float, h: float) -> None:
         self._check(self.fmi.fmi2DoStep(self.component, ctypes.c_double(time), ctypes.c_double(h), 1))
 
-    def set(self, indices: list[int], values: list[float], *, integer: bool = False, boolean: bool = False) -> None:
-        setter = self.fmi.fmi2SetBoolean if boolean else self.fmi.fmi2SetInteger if integer else self.fmi.fmi2SetReal
-        kind = ctypes.c_int if integer or boolean else ctypes.c_double
-        count = len(indices)
-        status = setter(
-            self.component, (ctypes.c_uint * count)(*indices), ctypes.c_size_t(count), (kind * count)(*values)
-        )
-        self._check(status)
+    def set(self, values: Mapping[int, float]) -> None:
+        for kind, setter, ctype in (
+            ("Real", self.fmi.fmi2SetReal, ctypes.c_double),
+            ("Integer", self.fmi.fmi2SetInteger, ctypes.c_int),
+            ("Boolean", self.fmi.fmi2SetBoolean, ctypes.c_int),
+        ):
+            chosen = [(i, value) for i, value in values.items() if self.model.variables[i].type == kind]
+            if not chosen:
+                continue
+            count = len(chosen)
+            convert = float if kind == "Real" else round
+            numbers = (ctype * count)(*(convert(value) for _, value in chosen))
+            references = (ctypes.c_uint * count)(*(i for i, _ in chosen))
+            self._check(setter(self.component, references, ctypes.c_size_t(count), numbers))
 
     def get(self, indices: list[int]) -> list[float]:
-        count = len(indices)
-        values = (ctypes.c_double * count)()
-        self._check(
-            self.fmi.fmi2GetReal(self.component, (ctypes.c_uint * count)(*indices), ctypes.c_size_t(count), values)
-        )
-        return list(values)
+        found: dict[int, float] = {}
+        for kind, getter, ctype in (
+            ("Real", self.fmi.fmi2GetReal, ctypes.c_double),
+            ("Integer", self.fmi.fmi2GetInteger, ctypes.c_int),
+            ("Boolean", self.fmi.fmi2GetBoolean, ctypes.c_int),
+        ):
+            chosen = [i for i in indices if self.model.variables[i].type == kind]
+            numbers = (ctype * len(chosen))()
+            if chosen:
+                references = (ctypes.c_uint * len(chosen))(*chosen)
+                self._check(getter(self.component, references, ctypes.c_size_t(len(chosen)), numbers))
+            found.update(zip(chosen, numbers, strict=True))
+        return [found[i] for i in indices]

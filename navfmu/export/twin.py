@@ -232,7 +232,7 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     entries = {
         "modelDescription.xml": xml.encode(),
         "model.png": archive.icon(model.name),
-        "documentation/index.html": documentation.page(model, None, [component]).encode(),
+        "documentation/index.html": documentation.page(model, None, [component], twin=True).encode(),
         "documentation/licenses/pythonfmu.txt": _license().encode(),
         "resources/slavemodule.txt": unique.encode(),
         f"resources/{unique}.py": module_text(component, unique, categories).encode(),

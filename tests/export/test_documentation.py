@@ -74,3 +74,44 @@ def test_the_example_of_a_component_sets_where_it_starts_and_what_steps():
     assert response.values[-1, column] == 3.0
     with pytest.raises(NavfmuError, match=r"its example sets 'v', which is no input or parameter"):
         run(TwoRates, Example({"v": 1.0}))
+
+
+def test_an_example_may_move_its_inputs_choose_outputs_and_add_curves():
+    example = Example(
+        {"fast": 0.5},
+        text="A ramp.",
+        duration=20.0,
+        step=0.5,
+        mark=3.0,
+        inputs=lambda time: {"u": 2.0 * time},
+        shows=("sampled",),
+        panels=lambda outputs: {"twice (m)": {"curve": 2.0 * outputs["sampled"], "~truth": outputs["time"]}},
+    )
+    response = run(TwoRates, example)
+    model = lower(TwoRates)
+    assert [model.variables[i].name for i in response.indices] == ["sampled"]
+    assert response.values[10:, 0] == pytest.approx(2.0 * response.time[10:])  # not one step late
+    assert (response.onset, response.stepped) == (3.0, {})
+    assert np.array_equal(response.panels["twice (m)"]["curve"], 2.0 * response.values[:, 0])
+    text = page(model, response)
+    assert "A ramp." in text
+    assert "20 s with <code>fast = 0.5 s</code> and otherwise the start values." in text
+    with pytest.raises(NavfmuError, match=r"its example shows 'sample', which is no output.*'sampled'"):
+        run(TwoRates, Example(shows=("sample",)))
+
+
+def test_an_output_is_not_drawn_before_its_first_data():
+    response = run(Sensor, Example(duration=5.0))
+    assert np.isnan(response.values[0]).any()
+    assert np.isfinite(response.values[-1]).all()
+
+
+def test_the_page_of_a_python_twin_says_that_it_needs_python():
+    model = lower(TwoRates)
+    assert "needs a Python 3" in page(model, twin=True)
+    assert "Python" not in page(model).replace("Philox", "")
+
+
+@pytest.mark.parametrize("name", sorted(built.components()))
+def test_every_shipped_component_says_what_its_picture_shows(name):
+    assert len(built.components()[name].example.text) > 40
