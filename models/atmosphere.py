@@ -27,7 +27,6 @@ SPEED_OF_SOUND = float(np.sqrt(HEAT_RATIO * GAS_CONSTANT * TEMPERATURE))
 EXPONENT = STANDARD_GRAVITY / (GAS_CONSTANT * LAPSE_RATE)
 RADIUS = 6356766.0
 """Radius of the earth in the definition of geopotential altitude, m."""
-TROPOPAUSE = 11000.0
 
 
 def geopotential(height):

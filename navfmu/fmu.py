@@ -91,11 +91,6 @@ class Fmu:
     library: Path
     description: Description = field(repr=False)
 
-    @property
-    def resources(self) -> str:
-        """The resource location to hand to ``fmi2Instantiate``, a file URI."""
-        return (self.folder / "resources").resolve().as_uri()
-
 
 def platforms() -> tuple[str, ...]:
     """Names of this machine's folder under ``binaries``, preferred one first."""

@@ -181,7 +181,8 @@ class Compiled:
         self._components = (_Component * len(plan.parts))()
         self._fmus: list[Fmi2] = []
         self._snapshots: list[Snapshot] = []
-        self._fatal: set[int] = set()
+        self._refused: set[int] = set()  # components that returned an error: they cannot be terminated any more,
+        self._fatal: set[int] = set()  # and of these, those of which nothing may be called, not even free
         self._initialised = False
         self._library = engine_library()
         self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
@@ -257,8 +258,9 @@ class Compiled:
         self._refuse(number, call, status, when, partial)
 
     def _refuse(self, number: int, call: str, status: int, when: float, partial: Recording | None) -> None:
+        self._refused.add(number)
         if status == 4:
-            self._fatal.add(number)  # nothing may be called any more, not even free
+            self._fatal.add(number)
         name = self.plan.parts[number].component.name
         raise RunError(refusal(name, call, status, when, text(self._logs[number].error)), partial)
 
@@ -295,11 +297,13 @@ class Compiled:
                 fmu.free_state(self._components[number].instance, byref(state))
 
     def close(self) -> None:
-        """Free all instances. The recording stays."""
+        """Terminate and free all instances. The recording stays."""
         for snapshot in list(self._snapshots):
             self.free(snapshot)
         for number, fmu in enumerate(self._fmus):
             instance = self._components[number].instance
+            if instance and self._initialised and number not in self._refused:
+                fmu.terminate(instance)  # when FMUs of other makers write what they have collected
             if instance and number not in self._fatal:
                 fmu.free_instance(instance)
             self._components[number].instance = None

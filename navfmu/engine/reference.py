@@ -6,6 +6,7 @@ faults. It shares the plan with it, and the C function that formats an FMU's mes
 
 from __future__ import annotations
 
+from contextlib import suppress
 from ctypes import byref
 from dataclasses import dataclass
 from typing import Any
@@ -53,6 +54,7 @@ class Reference:
         self._driver = Injector(rows[plan.first_driven_effect :], plan.clock)
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Slave] = []
+        self._refused: set[int] = set()
         self._fatal: set[int] = set()
         self._initialised = False
         try:
@@ -209,8 +211,11 @@ class Reference:
             fmu.freeFMUstate(state)
 
     def close(self) -> None:
-        """Free all instances."""
+        """Terminate and free all instances."""
         for number, fmu in enumerate(self._fmus):
+            if fmu.component is not None and self._initialised and number not in self._refused:
+                with suppress(FMICallException):
+                    fmu.terminate()
             if fmu.component is not None and number not in self._fatal:
                 fmu.fmi2FreeInstance(fmu.component)
         self._fmus = []
@@ -247,6 +252,7 @@ class Reference:
         try:
             return getattr(self._fmus[number], name)(*arguments)
         except FMICallException as error:
+            self._refused.add(number)
             if error.status == 4:
                 self._fatal.add(number)
             raise RunError(

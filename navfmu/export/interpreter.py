@@ -326,7 +326,7 @@ class Interpreter:
     def _due(self, clock: int) -> float:
         return float((self.counts[clock] + 1) * self.values[self._clocks[clock]])
 
-    def _tick(self, elapsed: float, tolerance: float, period: float, origin: float, held: np.ndarray) -> None:
+    def _tick(self, elapsed: float, tolerance: float, origin: float, held: np.ndarray) -> None:
         """One tick: all clocks that are due at its time, then all tasks in the order of their declaration."""
         time = self.start_time + elapsed
         for i, slope in self.slopes.items():
@@ -371,7 +371,7 @@ class Interpreter:
             tolerance = self._tolerance(period, self.start_time, end)
             if not due <= elapsed_end + tolerance:
                 break
-            self._tick(due, tolerance, period, origin, held)
+            self._tick(due, tolerance, origin, held)
         for i in self.slopes:
             self.values[i] = held[i]
         self.slopes = {}

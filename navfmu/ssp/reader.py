@@ -198,10 +198,10 @@ class _Reader:
             found = item.find(f"ssc:{candidate}", NAMESPACES)
             if found is not None:
                 kind = candidate
-                unit = self._unit(found.get("unit"), f"{where}, connector '{name}'")
+                unit = self._unit(found.get("unit"))
         return Connector(name, item.get("kind"), kind, unit)
 
-    def _unit(self, name: str | None, where: str) -> Unit | None:
+    def _unit(self, name: str | None) -> Unit | None:
         if not name:
             return None
         return self.units.get(name) or Unit(name)

@@ -15,7 +15,6 @@ connected inputs or outputs, the same unit at both ends, and one parameter set f
 
 from __future__ import annotations
 
-import hashlib
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -336,14 +335,6 @@ class SystemSource:
         lines += _unit_lines("ssv:Units", units)
         lines.append("</ssv:ParameterSet>")
         return ("\n".join(lines) + "\n").encode()
-
-
-def digest(files: Mapping[str, bytes]) -> str:
-    """One hash over documents, independent of their order."""
-    total = hashlib.sha256()
-    for name in sorted(files):
-        total.update(name.encode() + b"\0" + hashlib.sha256(files[name]).digest())
-    return total.hexdigest()
 
 
 def _check_pair(source: Variable, target: Variable, where: str) -> None:

@@ -92,7 +92,7 @@ def airborne_part(recording: Recording, minimum_speed: float) -> Recording:
             "taken to be on the ground; lower --minimum-speed for a slower aircraft"
         )
     at = np.flatnonzero(fast)
-    breaks = np.flatnonzero(recording.time[at[1:]] - recording.time[at[:-1]] > _longest_step(recording, at))
+    breaks = np.flatnonzero(recording.time[at[1:]] - recording.time[at[:-1]] > _longest_step(at))
     starts, ends = np.r_[at[0], at[breaks + 1]], np.r_[at[breaks], at[-1]]
     longest = int(np.argmax(recording.time[ends] - recording.time[starts]))
     first, last = starts[longest], ends[longest]
@@ -102,7 +102,7 @@ def airborne_part(recording: Recording, minimum_speed: float) -> Recording:
     return recording.rows(slice(first + up[0], first + up[-1] + 1))
 
 
-def _longest_step(recording: Recording, at: np.ndarray) -> np.ndarray:
+def _longest_step(at: np.ndarray) -> np.ndarray:
     """Allowed time between neighbouring fast rows: a hole in the file itself is not a landing."""
     neighbours = np.diff(at) == 1
     return np.where(neighbours, np.inf, LONG_INTERRUPTION)

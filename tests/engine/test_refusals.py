@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 
 from navfmu.engine import compiled, reference
 from navfmu.engine.plan import Connection, make_plan
@@ -69,6 +70,22 @@ def test_a_binary_that_is_none_is_named(tmp_path):
     broken = dataclasses.replace(probe("broken"), library=text)
     with pytest.raises(NavfmuError, match=r"component 'broken': the binary .*probe.so cannot be loaded"):
         compiled.run(make_plan([broken], [], step=0.1, stop=1.0))
+
+
+@ENGINES
+def test_components_are_terminated_unless_they_returned_an_error_or_never_left_initialisation(engine, monkeypatch):
+    ended = []
+    if engine is compiled:
+        monkeypatch.setattr(compiled.fmi2(probe("a").library), "terminate", ended.append)
+    else:
+        monkeypatch.setattr(FMU2Slave, "terminate", lambda slave: ended.append(slave))
+    engine.run(make_plan([probe("a"), probe("b")], [], step=0.1, stop=1.0))
+    assert len(ended) == len(set(ended)) == 2
+    for call, left in ((STEP, 1), (EXIT, 0)):
+        ended.clear()
+        with pytest.raises(RunError, match="component 'bad'"):
+            engine.run(plan(call, ERROR, fail_at=0.0))
+        assert len(ended) == left
 
 
 def test_warnings_go_on_and_are_told():
