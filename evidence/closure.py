@@ -45,8 +45,8 @@ def run(out: Path, page: Page) -> None:
         image = png(drawing)
     page.heading("Closure of the truth")
     page.text(
-        f"After {STOP / 60:.0f} minutes: {np.hypot(north[-1], east[-1]):.3f} m horizontally, {up[-1]:.4f} m in height; "
-        f"largest {np.max(np.hypot(north, east)):.3f} m and {np.max(np.abs(up)):.4f} m. Samples every {PERIOD:g} s, "
+        f"After {STOP / 60:.0f} minutes: {np.hypot(north[-1], east[-1]):.3f} m horizontally, {1e3 * up[-1]:.2g} mm in height; "
+        f"largest {np.max(np.hypot(north, east)):.3f} m and {1e3 * np.max(np.abs(up)):.2g} mm. Samples every {PERIOD:g} s, "
         "integrated without any of the project's own equations of motion."
     )
     page.picture(image, "Drift of the integrated trajectory")

@@ -263,9 +263,12 @@ def _shared_period(steps: Sequence[float], stop: float) -> float:
 
 
 def _size(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) -> tuple[float, float]:
+    """Root mean square and greatest size of the difference; that of angles is taken the short way round."""
     import numpy as np
 
     error = frame[name].to_numpy() - reference[name].to_numpy()
+    if reference.attrs["units"].get(name) == "rad":
+        error = np.remainder(error + np.pi, 2.0 * np.pi) - np.pi
     return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from navfmu import System
 from navfmu.errors import NavfmuError
-from navfmu.sweep import Row, Sweep, sweep
+from navfmu.sweep import Row, Sweep, _size, sweep
 from tests.components import systems
 
 
@@ -76,3 +77,11 @@ def test_a_sweep_without_a_stop_time_says_so():
     with pytest.raises(NavfmuError, match="suggests no stop time"):
         sweep(System(system.structure.__class__(**vars(system.structure) | {"stop_time": None}), system.fmus,
                      system.values, system.links), [0.1, 0.2])  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "largest"), [("rad", 0.02), ("m", 2.0 * np.pi - 0.02)])
+def test_angles_differ_by_the_short_way_round(unit, largest):
+    angles = [pd.DataFrame({"a": [0.0, np.pi - 0.01]}), pd.DataFrame({"a": [0.0, -np.pi + 0.01]})]
+    for frame in angles:
+        frame.attrs["units"] = {"a": unit}
+    assert _size(*angles, "a")[1] == pytest.approx(largest)
