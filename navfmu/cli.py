@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from navfmu import __version__
 from navfmu.errors import NavfmuError
 
 LAZY = {  # command -> module and attribute, and its line in the list of commands
@@ -56,7 +57,7 @@ class _Commands(click.Group):
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="navfmu", message="%(prog)s %(version)s")
+@click.version_option(__version__, prog_name="navfmu", message="%(prog)s %(version)s")
 def main() -> None:
     """Run systems of navigation components (FMUs), sweep their step size, and inject failures."""
 
@@ -235,6 +236,8 @@ def _assignments(texts: Iterable[str]) -> dict[str, str]:
         name, equals, value = text.partition("=")
         if not equals or "." not in name or not value.strip():
             raise NavfmuError(f"--set '{text}': expected component.parameter=value")
+        if name.strip() in parameters:
+            raise NavfmuError(f"--set '{text}': '{name.strip()}' is set twice")
         parameters[name.strip()] = value.strip()
     return parameters
 

@@ -90,16 +90,16 @@ def check_range(variable: Variable, value: float, where: str) -> None:
     """Refuse a value outside the range that the model description gives."""
     unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
     low, high = variable.min, variable.max
-    if (low is None or value >= low) and (high is None or value <= high) and not math.isnan(value):
+    if (low is None or value >= low) and (high is None or value <= high) and math.isfinite(value):
         return
+    if not math.isfinite(value):
+        raise NavfmuError(f"{where}: '{variable.name}' = {value:g}{unit} is out of range: expected a finite number")
     if low is not None and high is not None:
         allowed = f"expected {low:.12g} to {high:.12g}{unit}"
     elif low is not None:
         allowed = f"expected at least {low:.12g}{unit}"
-    elif high is not None:
-        allowed = f"expected at most {high:.12g}{unit}"
     else:
-        allowed = "expected a number"
+        allowed = f"expected at most {high:.12g}{unit}"
     raise NavfmuError(f"{where}: '{variable.name}' = {value:.12g}{unit} is out of range: {allowed}")
 
 
@@ -115,7 +115,8 @@ def _elements(value: Any, count: int, what: str) -> list[Any]:
     if isinstance(value, str):
         text = value.strip()
         if text.startswith("[") and text.endswith("]"):
-            value = [part.strip() for part in text[1:-1].replace("[", "").replace("]", "").split(",")]
+            parts = text[1:-1].replace("[", "").replace("]", "").split(",")
+            value = [part.strip() for part in parts if part.strip()]
         else:
             return [value] * count
     elif hasattr(value, "tolist"):  # NumPy

@@ -205,6 +205,10 @@ class System:
             for candidate in (place / path.name, place / f"{path.name}.toml"):
                 if candidate.is_file():
                     return candidate
+        if path.suffix in ("", ".toml") and path.parent == Path():
+            known = [file.stem for place in (folder / "extra" / kind, folder / kind) for file in place.glob("*.toml")]
+            have = f" (the system has: {', '.join(sorted(known))})" if known else ""
+            raise NavfmuError(f"{kind}: there is no file '{name}'{nearest(path.stem, known)}{have}")
         return path
 
     def _provenance(
@@ -236,6 +240,17 @@ class System:
 
     # -- checks and defaults -------------------------------------------------------------------------------------
 
+    def _refuse_connected(self, component: str, values: Mapping[str, Any], where: str) -> None:
+        """A value for an input that another component feeds would do nothing; that is not left unsaid."""
+        fed = {target: source for source, target, _, _ in self.links}
+        for name in values:
+            source = fed.get(f"{component}.{name}")
+            if source is not None:
+                raise NavfmuError(
+                    f"{where}: '{name}' is connected to '{source}', so a value of its own would have no effect; "
+                    "change the source, or let a fault act on it"
+                )
+
     def _known(self, component: str, where: str) -> None:
         if component not in self.fmus:
             raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, self.fmus)}")
@@ -254,7 +269,11 @@ class System:
             component, _, variable = name.partition(".")
             self._known(component, f"parameter '{name}'")
             where = f"parameter '{name}'"
-            given[component] |= expand(self.fmus[component].description, {variable: value}, where)
+            values = expand(self.fmus[component].description, {variable: value}, where)
+            self._refuse_connected(component, values, where)
+            given[component] |= values
+        if seed is not None and not 0 <= seed < 2**31:
+            raise NavfmuError(f"the seed is {seed}, expected 0 to 2147483647")
         start = {}
         for name, fmu in self.fmus.items():
             start[name] = {**self.values[name]}

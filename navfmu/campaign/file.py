@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from navfmu.campaign.definition import Campaign, Case
 from navfmu.campaign.requirement import MAIN, Requirement
 from navfmu.campaign.single import plan_of
 from navfmu.engine.clock import Clock
+from navfmu.engine.plan import ALGORITHMS
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
 from navfmu.parameters import quantity
@@ -83,8 +84,10 @@ class _File:
             self.text = path.read_text(encoding="utf-8")
         except FileNotFoundError:
             raise NavfmuError(f"{path}: no such campaign file") from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise NavfmuError(f"{path}: the campaign file cannot be read: {error}") from None
+        except UnicodeDecodeError:
+            raise NavfmuError(f"{path}: the campaign file cannot be read: it is not text in UTF-8") from None
+        except OSError as error:
+            raise NavfmuError(f"{path}: the campaign file cannot be read: {error.strerror or error}") from None
         try:
             self.content = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
@@ -124,6 +127,8 @@ class _File:
             if key not in known:
                 raise self.error(f"unknown entry '{key}'{nearest(key, known)}", key, table, index)
             kinds = known[key] if isinstance(known[key], tuple) else (known[key],)
+            if kinds == (list,) and isinstance(value, dict):
+                raise self.error(f"'{key}' is written as tables: [[{key}]]", key, table, index)
             if not isinstance(value, kinds) or isinstance(value, bool):
                 expected = " or ".join(dict.fromkeys(_NAMES[kind] for kind in kinds))
                 raise self.error(f"'{key}' is {value!r}, expected {expected}", key, table, index)
@@ -143,12 +148,21 @@ class _File:
         for key, value in (("stop", stop), ("step", step)):
             if value is None:
                 raise NavfmuError(f"{self.path}: has no '{key}', and the system suggests none")
-        self.clock(step, stop)
+        clock = self.clock(step, stop)
+        period = content.get("record_period")
+        if period is not None:
+            self.at("record_period", lambda: clock.multiple(period, "recording period"))
+        algorithm = content.get("algorithm", ALGORITHMS[-1])
+        if algorithm not in ALGORITHMS:
+            have = " and ".join(ALGORITHMS)
+            raise self.error(
+                f"unknown algorithm '{algorithm}'{nearest(algorithm, ALGORITHMS)} (there are {have})", "algorithm"
+            )
         chosen = content.get("seeds", [1])
         numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds else None
         cases = self.cases(main)
         campaign = Campaign(
-            name=content.get("name", self.path.stem),
+            name=self.name(content.get("name", self.path.stem)),
             path=self.path,
             description=content.get("description", ""),
             system=system,
@@ -157,20 +171,40 @@ class _File:
             seeds=numbers or parse_seeds(chosen, lambda s: self.error(s, "seeds")),
             stop=stop,
             step=step,
-            algorithm=content.get("algorithm", "gauss_seidel"),
-            parameters=content.get("parameters", {}),
+            algorithm=algorithm,
+            parameters=self.parameters(content.get("parameters", {}), "parameters"),
             record=self.names("record", content.get("record", [])),
-            record_period=content.get("record_period"),
+            record_period=period,
             requirements=self.requirements(main, tuple(systems), cases, stop),
         )
         self.dry_run(campaign)
         return campaign
 
-    def clock(self, step: float, stop: float) -> None:
+    def at(self, key: str, make: Callable[[], Any]) -> Any:
+        """What ``make`` returns; its error gets the line of the key."""
         try:
-            Clock.of(step, stop)
+            return make()
         except NavfmuError as error:
-            raise self.error(str(error), "stop" if "stop" in self.content else "step") from None
+            raise self.error(str(error), key) from None
+
+    def clock(self, step: float, stop: float) -> Clock:
+        key = "stop" if "stop" in self.content else "step"
+        return self.at("step" if "step" in self.content and not step > 0 else key, lambda: Clock.of(step, stop))
+
+    def name(self, name: str) -> str:
+        """The campaign's name is also that of its folder."""
+        if not name.strip() or name in (".", "..") or any(c in name for c in '/\\:*?"<>|') or not name.isprintable():
+            raise self.error(f"'name' is {name!r}, expected a text that can name a folder", "name")
+        return name
+
+    def parameters(self, given: dict[str, Any], key: str, table: str | None = None, index: int = 0) -> dict[str, Any]:
+        """Values by "component.parameter"; TOML reads the name without quotes as a table in a table."""
+        flat: dict[str, Any] = {}
+        for name, value in _leaves(given):
+            if name in flat:
+                raise self.error(f"the parameter '{name}' is given twice", key, table, index)
+            flat[name] = value
+        return flat
 
     def system(self, name: str) -> Path:
         beside = self.path.parent / name
@@ -215,7 +249,8 @@ class _File:
             if name in (case.name for case in cases):
                 raise self.error(f"there are two cases named '{name}'", "name", "case", index)
             faults, files = self.faults(system, entry.get("faults", []), index)
-            cases.append(Case(name, entry.get("description", ""), faults, files, entry.get("parameters", {})))
+            parameters = self.parameters(entry.get("parameters", {}), "parameters", "case", index)
+            cases.append(Case(name, entry.get("description", ""), faults, files, parameters))
         return tuple(cases)
 
     def tables(self, key: str) -> list[dict[str, Any]]:
@@ -230,7 +265,10 @@ class _File:
         files: list[str] = []
         for name in self.names("faults", [given] if isinstance(given, str) else given, "case", index):
             beside = self.path.parent / name
-            path = beside if beside.is_file() else system.attachment("faults", name)
+            try:
+                path = beside if beside.is_file() else system.attachment("faults", name)
+            except NavfmuError as error:
+                raise self.error(str(error), "faults", "case", index) from None
             if not path.is_file():
                 raise self.error(f"there is no fault file '{name}'", "faults", "case", index)
             faults += load_faults(path)
@@ -284,8 +322,12 @@ class _File:
                 )
             except NavfmuError as problem:
                 raise error(str(problem), key) from None
+            if bounds[key] is not None and not math.isfinite(bounds[key]):
+                raise error(f"'{key}' is {value}, expected a finite number", key)
         if bounds == {"at_most": None, "at_least": None}:
             raise error("this requirement has neither 'at_most' nor 'at_least'", "id")
+        if None not in bounds.values() and bounds["at_least"] > bounds["at_most"]:
+            raise error("'at_least' is above 'at_most': nothing can hold this requirement", "at_least")
         if "percent" in entry and "quantile" in entry:
             raise error("'percent' and 'quantile' exclude each other", "quantile")
         percent = None if "quantile" in entry else entry.get("percent", 100)
@@ -301,6 +343,8 @@ class _File:
         if entry.get("expect") == "violated" and "quantile" in entry:
             raise error("'expect' = 'violated' goes with 'percent', not with 'quantile'", "expect")
         begin, end = entry.get("from", 0.0), entry.get("to", math.inf)
+        if math.isnan(end):
+            raise error("'to' is nan, expected a time in s", "to")
         if not 0 <= begin < min(end, stop):
             raise error(f"'from' is {begin} s, expected a time from 0 to before {min(end, stop):g} s", "from")
         for key, known in (("variants", variants), ("cases", cases)):
@@ -328,12 +372,50 @@ class _File:
     def dry_run(self, campaign: Campaign) -> None:
         """Make the plan of one run of each variant and case, so that nothing is found wrong after hours."""
         for variant in campaign.systems:
-            for case in campaign.cases:
+            for index, case in enumerate(campaign.cases):
                 try:
-                    plan_of(campaign, variant, case, campaign.seeds[0])
+                    plan = plan_of(campaign, variant, case, campaign.seeds[0])
                 except NavfmuError as error:
+                    line = self.culprit(str(error), campaign, case, index)
                     where = f"variant '{variant}', case '{case.name}'"
-                    raise NavfmuError(f"{self.path}: {where}: {error}") from None
+                    raise NavfmuError(f"{self.path}{line}: {where}: {error}") from None
+        self.windows(campaign, plan.record_every * plan.clock.step)
+
+    def culprit(self, sentence: str, campaign: Campaign, case: Case, index: int) -> str:
+        """The line of the entry that a sentence about a plan quotes, where it is one of this file."""
+        for name in case.parameters:
+            if f"parameter '{name}'" in sentence:
+                return f", line {self.line('parameters', 'case', index)}"
+        for name in campaign.parameters:
+            if f"parameter '{name}'" in sentence:
+                line = self.line(name, "parameters")
+                return f", line {line}"
+        if any(f"recorded signal '{name}'" in sentence for name in campaign.record):
+            return f", line {self.line('record')}"
+        return ""
+
+    def windows(self, campaign: Campaign, period: float) -> None:
+        """Refuse a requirement that no recorded point can answer."""
+        for index, requirement in enumerate(campaign.requirements):
+            last = min(requirement.end, campaign.stop)
+            first = math.ceil(requirement.start / period - 1e-9) * period
+            if first > last + 1e-9:
+                raise self.error(
+                    f"no point is recorded from {requirement.start:g} s to {last:g} s: "
+                    f"the recording period is {period:g} s",
+                    "from" if requirement.start > 0 else "to",
+                    "requirement",
+                    index,
+                )
+
+
+def _leaves(tables: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Names with dots, and values, of tables in tables."""
+    for name, value in tables.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
 
 
 _NAMES = {str: "a text", list: "a list", dict: "a table", int: "a number", float: "a number"}

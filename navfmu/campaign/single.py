@@ -99,7 +99,8 @@ def command_of(campaign: Campaign, run: Run) -> str:
         words += ["--set", f"{name}={value}"]
     for file in run.case.files:
         words += ["--faults", file]
-    words += ["--stop", f"{campaign.stop:g}", "--step", f"{campaign.step:g}", "--algorithm", campaign.algorithm]
+    stop, step = (f"{float(value)!r}".removesuffix(".0") for value in (campaign.stop, campaign.step))
+    words += ["--stop", stop, "--step", step, "--algorithm", campaign.algorithm]
     return shlex.join([*words, "--seed", str(run.seed)])
 
 

@@ -48,8 +48,11 @@ class Clock:
             raise NavfmuError(
                 f"the stop time {stop:.9g} s is not a multiple of the step {step:.9g} s; the nearest is {near}"
             )
-        if steps * numerator >= 2**53:
-            raise NavfmuError(f"{steps} steps are too many to count exactly; take a larger step than {step:.9g} s")
+        if steps >= 2**53 or steps * numerator >= 2**53:
+            raise NavfmuError(
+                f"{stop:.9g} s in steps of {step:.9g} s are more steps than can be counted exactly; take a larger "
+                "step or an earlier stop time"
+            )
         return cls(step, steps, float(numerator), float(denominator))
 
     @property

@@ -21,8 +21,10 @@ def load_faults(path: str | Path) -> list[Fault]:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise NavfmuError(f"fault file {path} does not exist") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise NavfmuError(f"fault file {path} cannot be read: {error}") from None
+    except UnicodeDecodeError:
+        raise NavfmuError(f"fault file {path} cannot be read: it is not text in UTF-8") from None
+    except OSError as error:
+        raise NavfmuError(f"fault file {path} cannot be read: {error.strerror or error}") from None
     return parse_faults(text, str(path))
 
 
@@ -39,6 +41,8 @@ def parse_faults(text: str, name: str = "faults") -> list[Fault]:
     entries = document.get("fault", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise NavfmuError(f"{name}, line {_key_line(text, 'fault')}: faults are written as tables [[fault]]")
+    if not entries:
+        raise NavfmuError(f"{name}: holds no fault; expected at least one table [[fault]]")
     tables = [number for number, line in enumerate(text.splitlines(), 1) if re.match(r"\s*\[\[\s*fault\s*\]\]", line)]
     faults: list[Fault] = []
     for index, entry in enumerate(entries):

@@ -31,6 +31,7 @@ def refused(result: Result, *sentences: str) -> None:
 FAULTS = {
     "not toml": ("[[fault]\nid = 1", "line 1"),
     "an unknown type": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bais"\nvalue = 1.0\n', "line 4"),
+    "no fault at all": ("# still empty\n", "holds no fault"),
     "a missing value": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bias"\n', "'value'"),
     "an unknown key": ('[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bias"\nvalue = 1.0\nstat = 2\n', "'start'"),
     "an unknown target": ('[[fault]]\nid = "F"\ntarget = "lga.y"\ntype = "bias"\nvalue = 1.0\n', "did you mean 'lag'"),
@@ -60,6 +61,14 @@ ARGUMENTS = {
     "a negative step": (["--step", "-0.1"], "step must be a positive number"),
     "a step that is not a number": (["--step", "fast"], "is not a valid float"),
     "a stop of zero": (["--stop", "0"], "stop time must be a positive number"),
+    "more steps than can be counted": (["--step", "1e-300"], "than can be counted exactly"),
+    "a negative seed": (["--seed", "-1"], "the seed is -1, expected 0 to 2147483647"),
+    "a seed beyond 32 bits": (["--seed", "2147483648"], "the seed is 2147483648, expected 0 to"),
+    "a parameter set twice": (["--set", "lag.tau=1", "--set", "lag.tau=2"], "'lag.tau' is set twice"),
+    "a parameter that is infinite": (["--set", "lag.tau=1e999"], "'tau' = inf s is out of range: expected a finite"),
+    "a parameter that is not a number": (["--set", "lag.tau=nan"], "'tau' = nan s is out of range: expected a finite"),
+    "an input that is connected": (["--set", "lag.u=1"], "connected to 'truth.y', so a value of its own would"),
+    "an unknown fault file": (["--faults", "stukc"], "did you mean 'stuck'? (the system has: stuck)"),
     "an infinite stop": (["--stop", "inf"], "stop time must be a positive number"),
     "a stop between steps": (["--stop", "1.05"], "is not a multiple of the step"),
     "an unknown variant": (["--variant", "slwo"], "did you mean 'slow'"),
@@ -86,6 +95,13 @@ ARGUMENTS = {
 def test_run_with(name):
     arguments, sentence = ARGUMENTS[name]
     refused(navfmu("run", systems.tracker(), *arguments), sentence)
+
+
+def test_the_version_needs_no_installation():
+    from navfmu import __version__
+
+    result = navfmu("--version")
+    assert result.exit_code == 0 and result.output == f"navfmu {__version__}\n"
 
 
 def test_an_unknown_command_is_answered_with_the_nearest():

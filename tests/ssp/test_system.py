@@ -119,7 +119,7 @@ def test_a_long_run_is_recorded_more_rarely(tracker):
         ({"parameters": {"sensor.sigma": -1}}, "is out of range: expected at least 0 m"),
         ({"parameters": {"sensor.sigma": "1 s"}}, "'s' cannot be converted to 'm'"),
         ({"parameters": {"sensor.sigma": "one"}}, "expected a number"),
-        ({"seed": -1}, "'seed' = -1 is out of range"),
+        ({"seed": -1}, "the seed is -1, expected 0 to"),
         ({"faults": "nothing.toml"}, "nothing.toml"),
         ({"faults": [Fault("F", "sensor.reading.valid", "bias", parameters={"value": 1.0})]}, "acts on Real outputs"),
         ({"faults": [Fault("F", "lag.u", "input", parameters={"value": 1.0})]}, "is connected"),
