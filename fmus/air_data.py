@@ -24,8 +24,9 @@ class AirData(Component):
     dV and dh are first-order Gauss-Markov: 2.6 m/s (5 kt), 400 s (3.32)-(3.33); 23 m (75 ft), 400 s (3.34). They
     start in their stationary distributions. dV_w is white, zero in the thesis (1 m/s in its source).
 
-    A blocked port keeps the pressure it had. Blocked pitot tube: the airspeed does not answer to speed and rises in a
-    climb. Blocked static port: altitude freezes; the airspeed reads low above the altitude of blocking, high below it.
+    A blocked port keeps the pressure it had; one that is blocked before the first sample keeps that of the first
+    sample. Blocked pitot tube: the airspeed does not answer to speed and rises in a climb. Blocked static port: the
+    altitude freezes; the airspeed reads low above the altitude of blocking, high below it.
     """
 
     name = "air_data"
@@ -99,6 +100,7 @@ class AirData(Component):
         description="air data",
     )
 
+    sampled = State(kind="boolean", description="there has been a sample, whose pressures a blocked port keeps")
     static_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the static port")
     total_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the pitot tube")
     airspeed_error = State("m/s", description="Gauss-Markov error of the airspeed")
@@ -131,8 +133,9 @@ class AirData(Component):
             self.temperature_deviation,
             self.sea_level_pressure,
         )
-        self.static_pressure = air_data.trapped(static, self.static_pressure, self.static_blocked)
-        self.total_pressure = air_data.trapped(total, self.total_pressure, self.pitot_blocked)
+        self.static_pressure = air_data.trapped(static, self.static_pressure, self.sampled & self.static_blocked)
+        self.total_pressure = air_data.trapped(total, self.total_pressure, self.sampled & self.pitot_blocked)
+        self.sampled = True
 
         calibrated = air_data.calibrated_airspeed(self.static_pressure, self.total_pressure)
         indicated = np.maximum(calibrated + self.airspeed_error + self.airspeed_noise_sigma * n[2], 0.0)

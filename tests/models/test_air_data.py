@@ -176,6 +176,15 @@ def test_blocked_static_port_freezes_the_altitude_and_spoils_the_airspeed():
     assert fly(run, 0.4, 1000.0, 50.0) == (before, altitude)
 
 
+def test_ports_blocked_before_the_first_sample_keep_its_pressures():
+    clean, blocked = interpret(AirData, **QUIET), interpret(AirData, **QUIET)
+    blocked.set("pitot_blocked", True)
+    blocked.set("static_blocked", True)
+    first = fly(clean, 0.0, 1800.0, 46.3)
+    assert fly(blocked, 0.0, 1800.0, 46.3) == first  # and not those of sea level
+    assert fly(blocked, 0.1, 900.0, 60.0) == first
+
+
 def test_temperature_error_spoils_the_true_airspeed_only():
     clean, wrong = (interpret(AirData, **QUIET, temperature_error=e) for e in (0.0, 10.0))
     a, b = (fly(run, 0.0, 1000.0, 50.0)[0] for run in (clean, wrong))
