@@ -28,6 +28,8 @@ Generated from the sources below; each is loaded under a name that no other FMU 
 # PythonFMU runs this text once more for each instance and drops a reference to globals() that it does not own.
 globals().setdefault("_references", []).append(globals())
 
+import sys as _sys
+
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
@@ -105,7 +107,11 @@ class {component}Slave(Fmi2Slave):
         self.run.enter_initialization()
 
     def exit_initialization_mode(self):
-        self.run.exit_initialization()
+        try:
+            self.run.exit_initialization()
+        except _ERROR as error:  # PythonFMU tells the reason only where the host asks for its log
+            print(f"{self.instance_name}: {error}", file=_sys.stderr, flush=True)
+            raise
 
     def do_step(self, current_time, step_size):
         try:

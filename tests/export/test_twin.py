@@ -197,10 +197,11 @@ def test_reset_twin_starts_again(twins):
     assert step_all(one, 0.0, 5) == first
 
 
-def test_rejected_parameter_of_the_twin_says_why(twins, capfd):
-    path, folder = twins("sensor")
+@pytest.mark.parametrize("logging", [True, False])
+def test_rejected_parameter_of_the_twin_says_why(logging, twins, capfd):
+    _, folder = twins("sensor")
     with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
-        Instance(path, folder, sigma=-1.0)
+        fmpy.simulate_fmu(str(folder), stop_time=1.0, start_values={"sigma": -1.0}, debug_logging=logging)
     output = capfd.readouterr()
     assert "Parameter 'sigma' is -1 m; expected a value from 0 to 10 m." in output.out + output.err
 
