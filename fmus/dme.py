@@ -55,7 +55,12 @@ class Dme(stations.StationTable, Component):
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")
     altitude = Input("m", display_unit="ft", description="true height above the ellipsoid, positive up")
-    velocity_n = Input(3, "m/s", description="true velocity over ground: north, east, down; sets the correlation time")
+    velocity_n = Input(
+        3,
+        "m/s",
+        display_unit="kn",
+        description="true velocity over ground: north, east, down; sets the correlation time",
+    )
     station_off = Input(
         PLACES, kind="boolean", fault=True, description="fault: this transponder is off the air and does not answer"
     )

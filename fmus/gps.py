@@ -34,7 +34,7 @@ class Gps(Component):
     latitude = Input("rad", display_unit="deg", description="true geodetic latitude")
     longitude = Input("rad", display_unit="deg", description="true longitude")
     altitude = Input("m", display_unit="ft", description="true height above the ellipsoid, positive up")
-    velocity_n = Input(3, "m/s", description="true velocity over ground: north, east, down")
+    velocity_n = Input(3, "m/s", display_unit="kn", description="true velocity over ground: north, east, down")
     roll = Input("rad", display_unit="deg", description="true roll")
     pitch = Input("rad", display_unit="deg", description="true pitch")
     heading = Input("rad", display_unit="deg", description="true heading, may be unwrapped")
@@ -69,7 +69,7 @@ class Gps(Component):
         latitude=Output("rad", display_unit="deg", description="measured geodetic latitude"),
         longitude=Output("rad", display_unit="deg", description="measured longitude"),
         altitude=Output("m", display_unit="ft", description="measured height above the ellipsoid, positive up"),
-        velocity_n=Output(3, "m/s", description="measured velocity over ground: north, east, down"),
+        velocity_n=Output(3, "m/s", display_unit="kn", description="measured velocity over ground: north, east, down"),
         description="GPS fix",
     )
     attitude = Bundle(

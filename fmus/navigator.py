@@ -57,7 +57,7 @@ class Navigator(stations.StationTable, Component):
     """
 
     example = Example(
-        text="Level flight to the west at 90 kt in a wind of 8 m/s, with heading wrong by 1 degree and airspeed by "
+        text="Level flight to the west at 90 kt in a wind of 15 kn, with heading wrong by 1 degree and airspeed by "
         "2 m/s. GPS is lost at 300 s (dotted). While there is GPS the position is good to metres and the wind "
         "is learned (together with what heading and airspeed are wrong by). Then one DME range every 15 s, each "
         "wrong by some 315 m, keeps the error inside three sigma (dashed).",
@@ -84,7 +84,7 @@ class Navigator(stations.StationTable, Component):
         latitude=Input("rad", display_unit="deg", description="geodetic latitude of the fix"),
         longitude=Input("rad", display_unit="deg", description="longitude of the fix"),
         altitude=Input("m", display_unit="ft", description="height of the fix above the ellipsoid"),
-        velocity_n=Input(3, "m/s", description="velocity over ground: north, east, down"),
+        velocity_n=Input(3, "m/s", display_unit="kn", description="velocity over ground: north, east, down"),
         description="GPS fix",
     )
     ranging = Bundle(
@@ -111,10 +111,15 @@ class Navigator(stations.StationTable, Component):
         start=0.0,
         min=-100.0,
         max=100.0,
+        display_unit="kn",
         description="forecast wind, north and east, to which the estimate decays",
     )
     wind_sigma = Parameter(
-        "m/s", start=5.0, min=0.0, description="standard deviation of the wind about its mean (thesis (3.36), p. 69)"
+        "m/s",
+        start=5.0,
+        min=0.0,
+        display_unit="kn",
+        description="standard deviation of the wind about its mean (thesis (3.36), p. 69)",
     )
     wind_time = Parameter("s", start=400.0, min=1.0, description="correlation time of the wind (thesis (3.36))")
     heading_sigma = Parameter(
@@ -126,7 +131,11 @@ class Navigator(stations.StationTable, Component):
     )
     heading_time = Parameter("s", start=120.0, min=1.0, description="its correlation time (thesis (3.85))")
     airspeed_sigma = Parameter(
-        "m/s", start=2.6, min=0.0, description="standard deviation of the airspeed error (thesis (3.32), p. 64)"
+        "m/s",
+        start=2.6,
+        min=0.0,
+        display_unit="kn",
+        description="standard deviation of the airspeed error (thesis (3.32), p. 64)",
     )
     airspeed_time = Parameter("s", start=400.0, min=1.0, description="its correlation time (thesis (3.32))")
     position_walk = Parameter(
@@ -196,8 +205,8 @@ class Navigator(stations.StationTable, Component):
         latitude=Output("rad", display_unit="deg", description="estimated geodetic latitude"),
         longitude=Output("rad", display_unit="deg", description="estimated longitude"),
         altitude=Output("m", display_unit="ft", description="estimated height above the ellipsoid"),
-        velocity_n=Output(3, "m/s", description="estimated velocity over ground: north, east, down"),
-        wind_n=Output(2, "m/s", description="estimated wind: north, east"),
+        velocity_n=Output(3, "m/s", display_unit="kn", description="estimated velocity over ground: north, east, down"),
+        wind_n=Output(2, "m/s", display_unit="kn", description="estimated wind: north, east"),
         description="navigation solution",
     )
     north_sigma = Output("m", description="standard deviation of north position by the filter's covariance")
