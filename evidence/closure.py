@@ -44,9 +44,10 @@ def run(out: Path, page: Page) -> None:
         axis.legend()
         image = png(drawing)
     page.heading("Closure of the truth")
+    across, height = np.hypot(north, east), 1e3 * np.abs(up)
     page.text(
-        f"After {STOP / 60:.0f} minutes: {np.hypot(north[-1], east[-1]):.3f} m horizontally, {1e3 * up[-1]:.2g} mm in height; "
-        f"largest {np.max(np.hypot(north, east)):.3f} m and {1e3 * np.max(np.abs(up)):.2g} mm. Samples every {PERIOD:g} s, "
-        "integrated without any of the project's own equations of motion."
+        f"After {STOP / 60:.0f} minutes {across[-1]:.3f} m horizontally and {height[-1]:.2g} mm in height; at most "
+        f"{np.max(across):.3f} m and {np.max(height):.2g} mm. Samples every {PERIOD:g} s, integrated without the "
+        "project's own equations of motion."
     )
     page.picture(image, "Drift of the integrated trajectory")
