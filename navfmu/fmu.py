@@ -7,21 +7,29 @@ of the same content take about a millisecond and import neither FMPy nor an XML 
 from __future__ import annotations
 
 import json
-import os
 import platform
 import sys
-import tempfile
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files import write_file
 from navfmu.units import Unit
-from navfmu.unpack import cache_directory, check_unchanged, content_hash, open_archive, read_entry, unpack
+from navfmu.unpack import (
+    cache_directory,
+    check_entries,
+    check_unchanged,
+    content_hash,
+    open_archive,
+    read_entry,
+    unpack,
+)
 from navfmu.xml import parse
 
-FORMAT = 1  # of the cached descriptions; raise it when their content changes
+FORMAT = 2  # of the cached descriptions; raise it when their content changes
 _memory: dict[tuple[str, int, int], Fmu] = {}
 
 
@@ -42,6 +50,7 @@ class Variable:
     max: float | None
     nominal: float | None
     description: str
+    fault: bool = False  # an input that the model declares as a way to fail
 
 
 @dataclass(frozen=True)
@@ -134,7 +143,7 @@ def binaries(path: str | Path) -> list[str]:
     """The platforms for which an FMU holds a library, by their folder names."""
     path = Path(path)
     with open_archive(path, "FMU") as archive:
-        names = (name.split("/") for name in archive.namelist())
+        names = [entry.filename.split("/") for entry in check_entries(archive, path)]
         return sorted({parts[1] for parts in names if len(parts) > 2 and parts[0] == "binaries" and parts[2]})
 
 
@@ -175,20 +184,9 @@ def _describe(path: Path, digest: str) -> Description:
         pass
     content = _read(path)
     check_unchanged(path, digest)
-    _write_atomically(cached, json.dumps(content, separators=(",", ":")))
+    with suppress(NavfmuError):  # a cache that cannot be written costs time, nothing else
+        write_file(cached, json.dumps(content, separators=(",", ":")))
     return _from_json(content)
-
-
-def _write_atomically(path: Path, text: str) -> None:
-    """A cache that cannot be written costs time, nothing else."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=".", dir=path.parent)
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(name, path)
-    except OSError:
-        pass
 
 
 def _from_json(content: dict[str, Any]) -> Description:
@@ -219,6 +217,7 @@ def _read(path: Path) -> dict[str, Any]:
     if model.coSimulation is None:
         raise NavfmuError(f"{where}: has no CoSimulation element: the FMU offers model exchange only")
     interface = model.coSimulation
+    faults = _fault_inputs(root)
     experiment = model.defaultExperiment
     return {
         "fmi_version": version,
@@ -237,7 +236,7 @@ def _read(path: Path) -> dict[str, Any]:
         "max_output_derivative_order": int(interface.maxOutputDerivativeOrder or 0),
         "stop_time": _float(experiment.stopTime) if experiment else None,
         "step_size": _float(experiment.stepSize) if experiment else None,
-        "variables": [_variable(variable, where) for variable in model.modelVariables],
+        "variables": [[*_variable(variable, where), variable.name in faults] for variable in model.modelVariables],
         "units": {unit.name: _unit(unit) for unit in model.unitDefinitions},
         "display_units": {
             unit.name: {d.name: (float(d.factor or 1.0), float(d.offset or 0.0)) for d in unit.displayUnits}
@@ -273,6 +272,12 @@ def _unit(unit: Any) -> tuple[list[int] | None, float, float]:
         return None, 1.0, 0.0
     exponents = [int(getattr(base, name) or 0) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")]
     return exponents, float(base.factor if base.factor is not None else 1.0), float(base.offset or 0.0)
+
+
+def _fault_inputs(root: Any) -> set[str]:
+    """Names of the inputs that carry this project's annotation for faults."""
+    marked = root.iterfind("ModelVariables/ScalarVariable[@causality='input']")
+    return {v.get("name") for v in marked if v.find("Annotations/Tool[@name='navfmu']/fault") is not None}
 
 
 def _variable(variable: Any, where: str) -> list[Any]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import struct
-import tempfile
-import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+
+from navfmu.files import write_file
+from navfmu.zip import zipped
 
 #: Folders below ``binaries/`` for each platform in FMI 2.0; where it has no name, the platform tuple of FMI 3.0.
 FOLDERS = {
@@ -24,37 +24,11 @@ FOLDERS = {
 
 
 def write(path: str | Path, files: Mapping[str, bytes | str]) -> Path:
-    """Write a zip of ``files`` (name in the archive -> contents): sorted, with fixed dates and rights.
-
-    An existing file with the same bytes is left alone, and a new one appears only when it is complete.
-    """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, scratch = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for name in sorted(files):
-                entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                entry.create_system = 3  # Unix, whatever machine this is
-                entry.external_attr = 0o100644 << 16
-                data = files[name]
-                archive.writestr(entry, data.encode() if isinstance(data, str) else data)
-        place(scratch, path)
-    finally:
-        if os.path.exists(scratch):
-            os.unlink(scratch)
-    return path
-
-
-def place(source: str | Path, target: Path) -> None:
-    """Move a finished file to its place, unless the same bytes are there already."""
-    new = Path(source).read_bytes()
-    if target.is_file() and target.stat().st_size == len(new) and target.read_bytes() == new:
-        os.unlink(source)
-        return
-    os.chmod(source, 0o644)
-    os.replace(source, target)
+    """Write a zip of ``files`` (name in the archive -> contents), sorted; a file with the same bytes is left alone."""
+    path, content = Path(path), zipped({name: files[name] for name in sorted(files)})
+    if path.is_file() and path.read_bytes() == content:
+        return path
+    return write_file(path, content)
 
 
 def guid(*parts: str | bytes) -> str:
@@ -68,32 +42,28 @@ def guid(*parts: str | bytes) -> str:
 
 
 def icon(name: str) -> bytes:
-    """Return a PNG of a compass needle on a disc whose colour comes from the name."""
-    size = 96
-    y, x = np.mgrid[0:size, 0:size] * (2 / (size - 1)) - 1
-    radius, angle = np.hypot(x, y), np.deg2rad(35.0)
-    along, across = x * np.sin(angle) - y * np.cos(angle), x * np.cos(angle) + y * np.sin(angle)
-    edge = size / 2  # one pixel of smoothing at edges
-
-    def inside(distance: np.ndarray) -> np.ndarray:
-        return np.clip(0.5 - distance * edge, 0.0, 1.0)[..., None]
+    """Return a PNG of the name on a disc with a compass needle, whose colour comes from the name."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Circle, Polygon
 
     hue = hashlib.sha256(name.encode()).digest()[0] / 256 * 2 * np.pi
-    colour = 95 + 50 * np.cos(hue + np.array([0.0, 2.1, 4.2]))
-    image = np.zeros((size, size, 4))
-    for mask, rgb in (
-        (inside(radius - 0.98), colour),
-        (inside(np.abs(radius - 0.84) - 0.025), np.full(3, 255.0)),
-        (inside(4.2 * np.abs(across) + along - 0.72) * (along >= 0)[..., None], np.full(3, 255.0)),
-        (inside(4.2 * np.abs(across) - along - 0.72) * (along < 0)[..., None], np.full(3, 30.0)),
-    ):
-        image[..., :3] = image[..., :3] * (1 - mask) + rgb * mask
-        image[..., 3:] = np.maximum(image[..., 3:], 255 * mask)
-    pixels = np.rint(image).astype(np.uint8)
-    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    head = struct.pack(">IIBBBBB", size, size, 8, 6, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
+    colour = (95 + 50 * np.cos(hue + np.array([0.0, 2.1, 4.2]))) / 255
+    figure = Figure(figsize=(1.28, 1.28), dpi=100, facecolor="none")
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1.0, 1.0), ylim=(-1.0, 1.0), aspect="equal", frame_on=False)
+    axes.set_axis_off()
+    axes.add_patch(Circle((0.0, 0.0), 0.98, color=colour, linewidth=0.0))
+    axes.add_patch(Circle((0.0, 0.0), 0.88, fill=False, edgecolor="white", linewidth=1.5))
+    tip, side = np.array([0.30, 0.43]) * 0.8, np.array([0.082, -0.057])
+    for sign, shade in ((1.0, "white"), (-1.0, "0.12")):
+        axes.add_patch(Polygon(np.array([sign * tip, side, -side]) + (0.0, 0.4), color=shade, linewidth=0.0))
+    lines = name.split("_")
+    longest = max(map(len, lines))
+    size = min(24.0, 100.0 / longest, 34.0 / len(lines))
+    axes.text(
+        0.0, -0.28, "\n".join(lines), size=size, color="white", ha="center", va="center", weight="bold", linespacing=0.9
+    )
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()

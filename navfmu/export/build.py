@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable
@@ -17,6 +16,7 @@ from typing import Any
 from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 from navfmu.export.fingerprint import fingerprint
+from navfmu.files import write_file
 from navfmu.unpack import cache_directory
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -226,7 +226,6 @@ def _take(key: str, path: Path) -> bool:
     if not kept.is_file():
         return False
     os.utime(kept)
-    path.parent.mkdir(parents=True, exist_ok=True)
     if not (path.is_file() and path.read_bytes() == kept.read_bytes()):
         _copy(kept, path)
     return True
@@ -234,18 +233,12 @@ def _take(key: str, path: Path) -> bool:
 
 def _keep(key: str | None, path: Path) -> None:
     if key:
-        kept = cache_directory() / "fmus" / f"{key}.fmu"
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        _copy(path, kept)
+        _copy(path, cache_directory() / "fmus" / f"{key}.fmu")
 
 
 def _copy(source: Path, target: Path) -> None:
     """Copy a file so that it appears complete or not at all, also when several processes do so at once."""
-    handle, scratch = tempfile.mkstemp(prefix=f".{target.name}-", dir=target.parent)
-    os.close(handle)
-    shutil.copyfile(source, scratch)
-    os.chmod(scratch, 0o644)
-    os.replace(scratch, target)
+    write_file(target, source.read_bytes())
 
 
 def _prune() -> None:

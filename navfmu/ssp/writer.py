@@ -15,7 +15,6 @@ connected inputs or outputs, the same unit at both ends, and one parameter set f
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,13 +22,12 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.files import replacing, write_file
+from navfmu.files import write_file
 from navfmu.fmu import Description, Variable, describe
 from navfmu.parameters import expand, members
 from navfmu.ssp.document import MAIN, NAMESPACES, PARAMETER_SET, RESOURCES
 from navfmu.units import BASE, Unit
-
-_ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+from navfmu.zip import zipped
 
 
 @dataclass
@@ -174,15 +172,8 @@ class SystemSource:
             content = fmu.read_bytes()
             if entries.setdefault(name, content) != content:
                 raise NavfmuError(f"{self.name}: two different FMUs are named {fmu.name}")
-        file = Path(file)
-        with replacing(file) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-            for name in sorted(entries, key=lambda n: (n != MAIN, n)):
-                entry = zipfile.ZipInfo(name, _ZIP_DATE)
-                entry.create_system = 3
-                entry.external_attr = 0o100644 << 16
-                entry.compress_type = zipfile.ZIP_STORED if name.endswith(".fmu") else zipfile.ZIP_DEFLATED
-                archive.writestr(entry, entries[name])
-        return file
+        names = sorted(entries, key=lambda name: (name != MAIN, name))
+        return write_file(file, zipped({name: entries[name] for name in names}, stored=".fmu"))
 
     # -- what was said so far ------------------------------------------------------------------------------------
 

@@ -7,7 +7,6 @@ dot and a hash, so that every track is a different FMU to masters that tell FMUs
 from __future__ import annotations
 
 import hashlib
-import io
 import zipfile
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from navfmu.errors import NavfmuError
 from navfmu.files import write_file
 from navfmu.track.importer import Imported
 from navfmu.xml import parse
+from navfmu.zip import zipped
 
 TABLE = "resources/track.csv"
 COLUMNS = 10
@@ -27,8 +27,7 @@ ACCOUNT = "documentation/import.txt"
 def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str | None = None) -> Path:
     """Write the FMU of an imported track to ``out``; ``player`` is the FMU ``track`` that this package ships."""
     with zipfile.ZipFile(player) as archive:
-        entries = [(info, archive.read(info)) for info in archive.infolist() if not info.is_dir()]
-    contents = {info.filename: data for info, data in entries}
+        contents = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
     if TABLE not in contents or DESCRIPTION not in contents:
         raise NavfmuError(f"{player}: this is not the track player, it has no {TABLE}")
     header = contents[TABLE].split(b"\n", 1)[0].decode().strip()
@@ -36,18 +35,12 @@ def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str
         raise NavfmuError(f"{player}: its {TABLE} has the columns '{header}'; expected {COLUMNS} of them")
     table = table_text(header, imported.flight.table())
     name = name or Path(imported.source).stem
-    replaced = {
+    contents |= {
         TABLE: table.encode(),
         DESCRIPTION: _describe(contents[DESCRIPTION], imported, table, name),
         ACCOUNT: _account(imported, name).encode(),
     }
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for info, data in entries:
-            archive.writestr(info, replaced.pop(info.filename, data), zipfile.ZIP_DEFLATED)
-        for filename in sorted(replaced):
-            archive.writestr(zipfile.ZipInfo(filename), replaced[filename], zipfile.ZIP_DEFLATED)
-    return write_file(out, buffer.getvalue())
+    return write_file(out, zipped(contents))
 
 
 def table_text(header: str, rows: np.ndarray) -> str:
