@@ -15,7 +15,7 @@ import numpy as np
 
 from navfmu.engine.library import binary
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal
+from navfmu.engine.recording import Recording, RunError, recording, refusal, room
 from navfmu.errors import NavfmuError
 from navfmu.faults.effect import EFFECT
 
@@ -115,7 +115,7 @@ def _load(path: Path, what: str) -> CDLL:
     try:
         return CDLL(str(path))
     except OSError as error:
-        raise NavfmuError(f"{what} {path} cannot be loaded: {error}") from None
+        raise NavfmuError(f"{what} {path} cannot be loaded: {str(error).removeprefix(f'{path}: ')}") from None
 
 
 @cache
@@ -185,7 +185,7 @@ class Compiled:
         self._fatal: set[int] = set()  # and of these, those of which nothing may be called, not even free
         self._initialised = False
         self._library = engine_library()
-        self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
+        self.rows = room(plan)
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):

@@ -10,6 +10,19 @@ from navfmu.engine.plan import Plan
 from navfmu.errors import NavfmuError
 
 
+def room(plan: Plan) -> np.ndarray:
+    """Room for every recorded point of a plan, shape (rows, columns), filled with NaN."""
+    shape = plan.rows, len(plan.recorded)
+    try:
+        return np.full(shape, np.nan)
+    except (MemoryError, ValueError):  # more than there is, more than an array can count
+        size = shape[0] * shape[1] * 8 / 1e9
+        raise NavfmuError(
+            f"the recording of {shape[1]} signals at {shape[0]} points in time would take {size:.0f} GB of memory; "
+            "record fewer signals or take a longer recording period"
+        ) from None
+
+
 @dataclass(frozen=True)
 class Recording:
     """Recorded signals: ``values[row, column]`` at ``time[row]`` (s). Booleans are 0 and 1."""

@@ -11,13 +11,12 @@ from ctypes import byref
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
 from navfmu.engine.compiled import Callbacks, Log, engine_library, text
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal
+from navfmu.engine.recording import Recording, RunError, recording, refusal, room
 from navfmu.errors import NavfmuError
 from navfmu.faults.injector import Injector
 
@@ -46,7 +45,7 @@ class Reference:
         self.truth = [0.0] * count  # before faults
         self.ahead = [0.0] * count  # at the end of the step, with the faults of its beginning
         self.begin: list[list[float]] = [[] for _ in plan.parts]  # smooth inputs at the beginning of the step
-        self.rows = np.full((plan.rows, len(plan.recorded)), np.nan)
+        self.rows = room(plan)
         rows = list(plan.effects)
         self._injectors = [
             Injector(rows[part.first_effect : part.first_effect + part.effects], plan.clock) for part in plan.parts

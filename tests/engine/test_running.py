@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from navfmu.engine import compiled, library
+from navfmu.engine import compiled, library, reference
 from navfmu.engine.compiled import Compiled
 from navfmu.engine.plan import make_plan
 from navfmu.errors import NavfmuError
@@ -62,6 +62,13 @@ def test_many_engines_are_made_and_freed():
     plan = make_plan(*ring(), step=0.1, stop=0.2)
     with Compiled(plan):  # another one that stays
         assert {compiled.run(plan).values.tobytes() for _ in range(200)} == {compiled.run(plan).values.tobytes()}
+
+
+@pytest.mark.parametrize("stop", [1e12, 1e15])
+@pytest.mark.parametrize("engine", [compiled, reference])
+def test_a_recording_that_no_memory_can_hold_is_refused(engine, stop):
+    with pytest.raises(NavfmuError, match=r"3 signals at .* points in time would take \d+ GB of memory; record fewer"):
+        engine.run(make_plan(*ring(3), step=0.5, stop=stop, record=["lag*.y"]))
 
 
 def test_the_binary_is_named_after_its_sources(monkeypatch):
