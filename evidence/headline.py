@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.navigation import beyond
 from navfmu.campaign.outcome import Outcome
 from navfmu.progress import Progress
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -96,11 +97,6 @@ class Flights:
         """Over the runs, at each second."""
         return np.percentile(self.horizontal, q, axis=0)
 
-    def predicted_share_above(self, limit: float) -> float:
-        """P(|error| > limit) for a normal error with the mean of the two variances on each axis (Rayleigh)."""
-        variance = 0.5 * (self.sigma["north"] ** 2 + self.sigma["east"] ** 2)
-        return float(np.mean(np.exp(-0.5 * limit * limit / variance)))
-
     def inside_three_sigma(self) -> float:
         """Share of the samples at which both errors are within three standard deviations."""
         return float(np.mean(np.all([np.abs(self.error[a]) <= 3.0 * self.sigma[a] for a in AXES], axis=0)))
@@ -113,7 +109,7 @@ class Flights:
             np.mean(np.any(above[:, self.time <= 900.0], axis=1)),
             np.mean(np.any(above, axis=1)),
             np.mean(above),
-            self.predicted_share_above(HALF_MILE),
+            np.mean(beyond(HALF_MILE, self.sigma["north"], self.sigma["east"])),
             self.inside_three_sigma(),
         )
         largest = [np.max(self.percentile(q)[minutes]) for q in (50, 95)]
