@@ -57,10 +57,24 @@ def _show_fmu(path: Path) -> None:
         "needs another tool to run": about.needs_execution_tool,
     }
     out.print(f"abilities   {', '.join(name for name, can in able.items() if can) or 'none declared'}", soft_wrap=True)
-    for causality, title in (("input", "inputs"), ("output", "outputs"), ("parameter", "parameters")):
-        chosen = [v for v in about.variables if v.causality == causality]
+    bundles = _bundles(about)
+    if bundles:
+        out.print(f"bundles     {', '.join(bundles)} (with valid, sequence and time_of_validity)", soft_wrap=True)
+    inputs = [v for v in about.variables if v.causality == "input"]
+    for chosen, title in (
+        ([v for v in inputs if not v.fault], "inputs"),
+        ([v for v in inputs if v.fault], "fault inputs, which say how it can fail"),
+        ([v for v in about.variables if v.causality == "output"], "outputs"),
+        ([v for v in about.variables if v.causality == "parameter"], "parameters"),
+    ):
         if chosen:
             out.print(_variables(chosen, about, f"{len(chosen)} {title}"))
+
+
+def _bundles(about: Description) -> list[str]:
+    """Output bundles, the targets of dropouts."""
+    outputs = {v.name for v in about.variables if v.causality == "output"}
+    return sorted(n.removesuffix(".valid") for n in outputs if n.endswith(".valid") and f"{n[:-5]}sequence" in outputs)
 
 
 def _variables(variables: list[Variable], about: Description, title: str) -> Table:
@@ -173,14 +187,25 @@ def _show_connections(out: Console, system: System) -> None:
 def _show_free_inputs(out: Console, system: System) -> None:
     fed = {target for _, target, _, _ in system.links}
     free = [
-        f"{name}.{v.name}"
+        (f"{name}.{v.name}", v)
         for name, fmu in system.fmus.items()
         for v in fmu.description.variables
         if v.causality == "input" and f"{name}.{v.name}" not in fed
     ]
-    if free:
-        out.print("[bold]unconnected inputs[/] (a fault of type 'input' can drive them)")
-        out.print(f"  {_escape(', '.join(free))}", soft_wrap=True)
+    failing: dict[str, str] = {}  # an array is one line
+    for name, variable in free:
+        if variable.fault:
+            unit = f" ({variable.unit})" if variable.unit else ""
+            failing.setdefault(name.split("[")[0], variable.description.removeprefix("fault: ") + unit)
+    if failing:
+        out.print("[bold]fault inputs[/] (a fault of type 'input' drives them)")
+        width = max(map(len, failing))
+        for name, description in failing.items():
+            out.print(f"  {name:<{width}}  {_escape(description)}", soft_wrap=True)
+    others = [name for name, variable in free if not variable.fault]
+    if others:
+        out.print("[bold]other unconnected inputs[/] (a fault of type 'input' can drive them, too)")
+        out.print(f"  {_escape(', '.join(others))}", soft_wrap=True)
 
 
 def summarise(frame: pandas.DataFrame, file: str | None) -> None:

@@ -18,9 +18,14 @@ SUFFIXES = (".parquet", ".csv")
 
 def check_target(path: str | Path) -> Path:
     """Refuse a result file that could not be written, before the run and not after it."""
+    return check_file(path, *SUFFIXES)
+
+
+def check_file(path: str | Path, *suffixes: str) -> Path:
+    """Refuse a file that could not be written, or whose name does not end in one of the suffixes."""
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise NavfmuError(f"{path}: cannot tell the format from the name; expected {' or '.join(SUFFIXES)}")
+    if path.suffix.lower() not in suffixes:
+        raise NavfmuError(f"{path}: cannot tell the format from the name; expected {' or '.join(suffixes)} at its end")
     if path.is_dir():
         raise NavfmuError(f"{path}: is a folder, expected a file")
     check_folder(path.parent)

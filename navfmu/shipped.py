@@ -38,6 +38,8 @@ def names(suffix: str = "") -> list[str]:
 def system(name: str) -> Path:
     """A system or FMU by path, or a shipped system by its bare name ("backup_navigator")."""
     file = Path(name)
+    if not name.strip():
+        raise NavfmuError("the name of the system is empty")
     if file.exists():
         return file
     if file.parent == Path() and file.suffix in ("", ".ssp", ".fmu"):
@@ -48,4 +50,6 @@ def system(name: str) -> Path:
             known = [Path(n).stem for n in names(".ssp")]
             have = f" (shipped: {', '.join(known)})" if known else ""
             raise NavfmuError(f"there is no file and no shipped system named '{name}'{nearest(name, known)}{have}")
-    raise NavfmuError(f"{name}: no such file; expected an .ssp, an .ssd, an .fmu or a folder with SystemStructure.ssd")
+    hint = nearest(file.name, names(file.suffix)) if file.parent == Path() else ""
+    kinds = "an .ssp, an .ssd, an .fmu or a folder with SystemStructure.ssd"
+    raise NavfmuError(f"{name}: no such file; expected {kinds}{hint}")

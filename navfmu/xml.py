@@ -8,6 +8,8 @@ from typing import Any
 
 from navfmu.errors import NavfmuError
 
+_DOCTYPE = "has a document type declaration, which is not accepted"
+
 
 def parse(data: bytes, where: str) -> Any:
     """The root element of an XML document (lxml); ``where`` names the file in messages."""
@@ -19,10 +21,12 @@ def parse(data: bytes, where: str) -> Any:
     try:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
+        if b"<!DOCTYPE" in data:  # such as entities that multiply
+            raise NavfmuError(f"{where}: {_DOCTYPE}") from None
         line = f", line {error.lineno}" if error.lineno else ""
-        raise NavfmuError(f"{where}{line}: is not well-formed XML: {error.msg}") from None
+        raise NavfmuError(f"{where}{line}: is not well-formed XML: {_without_place(error.msg)}") from None
     if root.getroottree().docinfo.doctype:
-        raise NavfmuError(f"{where}: has a document type declaration, which is not accepted")
+        raise NavfmuError(f"{where}: {_DOCTYPE}")
     return root
 
 
@@ -40,6 +44,11 @@ def _schema(path: Path) -> Any:
     from lxml import etree
 
     return etree.XMLSchema(file=str(path))
+
+
+def _without_place(message: str) -> str:
+    """A parser's message without the line, which stands before it already."""
+    return message.rpartition(", line ")[0] or message
 
 
 def _plain(message: str) -> str:

@@ -174,7 +174,8 @@ class _Reader:
         source = element.get("source")
         path = self._resolve(source, where)
         if not path.is_file():
-            known = self.find(path.name)
+            packed = self.origin.is_file() and self.origin != self.file  # a package holds all that it needs
+            known = None if packed else self.find(path.name)
             if known is None:
                 raise NavfmuError(f"{where}: its FMU '{source}' is missing")
             self.notes.append(f"{element.get('name')}: '{source}' is not beside the document; {known} is used")

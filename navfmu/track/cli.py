@@ -20,13 +20,17 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     from t = 0. What was found in the recording, and what the smoothing changed, is printed.
     """
     from navfmu.errors import NavfmuError
+    from navfmu.results import check_file
     from navfmu.shipped import path as shipped
     from navfmu.track.archive import write_fmu
     from navfmu.track.importer import import_track
     from navfmu.track.recording import KNOT
 
-    if not minimum_speed > 0:
+    if not 0 < minimum_speed < float("inf"):
         raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kt; expected a positive number")
+    check_file(out, ".fmu")
+    if picture:
+        check_file(picture, ".png")
     player = shipped("track.fmu")
     imported = import_track(file, minimum_speed * KNOT, skip_incomplete)
     write_fmu(imported, player, out, name)

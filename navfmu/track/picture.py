@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from navfmu.files import replacing
 from navfmu.track.importer import Imported
 from navfmu.track.recording import FOOT, KNOT
 
@@ -57,5 +58,6 @@ def draw(imported: Imported, path: str | Path) -> None:
         ax.grid(alpha=0.3)
     figure.suptitle(Path(imported.source).name)
     figure.tight_layout()
-    figure.savefig(path, dpi=90)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=90)
     plt.close(figure)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from navfmu import shipped
 from navfmu.cli import main
 from navfmu.export import Component, Input, Output, Parameter, every, require
 from navfmu.export.build import build
@@ -104,6 +105,20 @@ def test_the_version_needs_no_installation():
     assert result.exit_code == 0 and result.output == f"navfmu {__version__}\n"
 
 
+def test_a_shipped_fmu_that_is_misspelt_is_answered_with_the_nearest(monkeypatch, tmp_path):
+    (tmp_path / "imu.fmu").write_bytes(b"")
+    monkeypatch.setattr(shipped, "folders", lambda: [tmp_path])
+    refused(navfmu("info", "imuu.fmu"), "imuu.fmu: no such file", "did you mean 'imu.fmu'")
+
+
+def test_info_does_not_describe_an_archive_that_would_break_out_of_its_folder(tmp_path):
+    evil = tmp_path / "evil.fmu"
+    evil.write_bytes((systems.fmus() / "lag.fmu").read_bytes())
+    with zipfile.ZipFile(evil, "a") as archive:
+        archive.writestr("../evil.txt", "x")
+    refused(navfmu("info", evil), "evil.fmu: entry '../evil.txt' would be written outside its folder")
+
+
 def test_an_unknown_command_is_answered_with_the_nearest():
     refused(navfmu("swep"), "did you mean 'sweep'")
 
@@ -121,6 +136,17 @@ def bad_files(folder: Path) -> dict[str, tuple[Path, str]]:
     with zipfile.ZipFile(systems.tracker()) as source, zipfile.ZipFile(broken, "w") as target:
         for name in source.namelist():
             target.writestr(name, b"rubbish" if name.endswith("lag.fmu") else source.read(name))
+    bomb, incomplete = folder / "bomb.fmu", folder / "incomplete.ssp"
+    with zipfile.ZipFile(bomb, "w") as archive:
+        entities = '<!ENTITY a "aaaaaaaaaa">' + "".join(
+            f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+        )
+        text_of_bomb = f"<!DOCTYPE x [{entities}]><fmiModelDescription fmiVersion='2.0' modelName='&i;'/>"
+        archive.writestr("modelDescription.xml", text_of_bomb)
+    with zipfile.ZipFile(systems.tracker()) as source, zipfile.ZipFile(incomplete, "w") as target:
+        for name in source.namelist():
+            if not name.endswith("lag.fmu"):
+                target.writestr(name, source.read(name))
     evil = folder / "evil.ssp"
     with zipfile.ZipFile(evil, "w") as archive:
         archive.writestr("../evil.txt", "x")
@@ -132,6 +158,8 @@ def bad_files(folder: Path) -> dict[str, tuple[Path, str]]:
         "with a corrupt FMU": (broken, "lag.fmu: is not an FMU"),
         "for another machine": (foreign, "no binary for this machine"),
         "that breaks out of its folder": (evil, "would be written outside its folder"),
+        "with entities that multiply": (bomb, "modelDescription.xml: has a document type declaration"),
+        "without one of its FMUs": (incomplete, "'resources/lag.fmu' is missing"),
     }
 
 
@@ -145,12 +173,39 @@ def bad_files(folder: Path) -> dict[str, tuple[Path, str]]:
         "with a corrupt FMU",
         "for another machine",
         "that breaks out of its folder",
+        "with entities that multiply",
+        "without one of its FMUs",
     ],
 )
 def test_a_file(name, tmp_path):
     path, sentence = bad_files(tmp_path)[name]
     refused(navfmu("run", path, "--stop", 1, "--step", 0.1, "--out", tmp_path / "o.csv"), str(path.name), sentence)
     assert not (tmp_path / "o.csv").exists() and not (tmp_path.parent / "evil.txt").exists()
+
+
+def test_an_fmu_whose_binary_cannot_be_loaded(tmp_path):
+    blunt = tmp_path / "blunt.fmu"
+    with zipfile.ZipFile(systems.fmus() / "lag.fmu") as source, zipfile.ZipFile(blunt, "w") as target:
+        for name in source.namelist():
+            target.writestr(name, b"rubbish" if name.startswith("binaries") else source.read(name))
+    refused(navfmu("run", blunt, "--stop", 1, "--step", 0.1), "component 'lag'", "cannot be loaded")
+
+
+TRACKS = {
+    "no suffix": (["--out", "x.zip"], "x.zip: cannot tell the format from the name; expected .fmu"),
+    "a picture of another kind": (["--out", "x.fmu", "--picture", "x.jpg"], "expected .png"),
+    "no lower limit": (["--out", "x.fmu", "--minimum-speed", "inf"], "expected a positive number"),
+    "a missing recording": (["--out", "x.fmu"], "there is no such file"),
+}
+
+
+@pytest.mark.parametrize("name", TRACKS)
+def test_track_with(name, tmp_path, monkeypatch):
+    arguments, sentence = TRACKS[name]
+    monkeypatch.setattr(shipped, "path", lambda name: tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    refused(navfmu("track", "none.csv", *arguments), sentence)
+    assert list(tmp_path.iterdir()) == []
 
 
 class Fragile(Component):

@@ -8,12 +8,16 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pandas
 import pytest
 from click.testing import CliRunner
 
 from navfmu import System, results
 from navfmu.cli import main
+from navfmu.export import Bundle, Component, Input, Output, Parameter, every
+from navfmu.export.build import build
+from navfmu.ssp import SystemSource
 from tests.components import systems
 
 
@@ -52,6 +56,32 @@ def test_info_describes_an_fmu():
     out = navfmu("info", systems.fmus() / "sensor.fmu")
     assert "reading.time_of_validity" in out and "sample_period" in out and "0.0001 .. 10" in out
     assert "saves and restores its state" in out
+
+
+class Fallible(Component):
+    """Can fail."""
+
+    u = Input("m", description="input")
+    blinded = Input(kind="boolean", fault=True, description="nothing is seen")
+    reading = Bundle(y=Output("m", description="output"), description="reading")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="period")
+
+    @every("sample_period")
+    def step(self):
+        self.reading.publish(y=self.u, when=np.logical_not(self.blinded))
+
+
+def test_info_tells_what_can_be_failed(tmp_path):
+    (file,) = build([Fallible], tmp_path)
+    out = navfmu("info", file)
+    ordinary, _, faults = out.partition("1 fault inputs")
+    assert "bundles     reading " in ordinary and "1 inputs" in ordinary and "blinded" not in ordinary
+    assert "blinded" in faults.partition("outputs")[0]
+    source = SystemSource("fallible", fmus=tmp_path, stop_time=1.0, step=0.1).component("eye", "fallible.fmu")
+    out = navfmu("info", source.pack(tmp_path / "fallible.ssp"))
+    _, _, free = out.partition("fault inputs")
+    assert "eye.blinded  " in free.partition("other unconnected inputs")[0]
+    assert "eye.u" in free.partition("other unconnected inputs")[2]
 
 
 def test_info_describes_a_system():
