@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import struct
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
-
-import numpy as np
 
 from navfmu.files import write_file
 from navfmu.zip import zipped
@@ -39,31 +35,3 @@ def guid(*parts: str | bytes) -> str:
         digest.update(len(data).to_bytes(8, "little") + data)
     text = digest.hexdigest()
     return f"{{{text[:8]}-{text[8:12]}-{text[12:16]}-{text[16:20]}-{text[20:32]}}}"
-
-
-def icon(name: str) -> bytes:
-    """Return a PNG of the name on a disc with a compass needle, whose colour comes from the name."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Circle, Polygon
-
-    hue = hashlib.sha256(name.encode()).digest()[0] / 256 * 2 * np.pi
-    colour = (95 + 50 * np.cos(hue + np.array([0.0, 2.1, 4.2]))) / 255
-    figure = Figure(figsize=(1.28, 1.28), dpi=100, facecolor="none")
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1.0, 1.0), ylim=(-1.0, 1.0), aspect="equal", frame_on=False)
-    axes.set_axis_off()
-    axes.add_patch(Circle((0.0, 0.0), 0.98, color=colour, linewidth=0.0))
-    axes.add_patch(Circle((0.0, 0.0), 0.88, fill=False, edgecolor="white", linewidth=1.5))
-    tip, side = np.array([0.30, 0.43]) * 0.8, np.array([0.082, -0.057])
-    for sign, shade in ((1.0, "white"), (-1.0, "0.12")):
-        axes.add_patch(Polygon(np.array([sign * tip, side, -side]) + (0.0, 0.4), color=shade, linewidth=0.0))
-    lines = name.split("_")
-    longest = max(map(len, lines))
-    size = min(24.0, 100.0 / longest, 34.0 / len(lines))
-    axes.text(
-        0.0, -0.28, "\n".join(lines), size=size, color="white", ha="center", va="center", weight="bold", linespacing=0.9
-    )
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()

@@ -16,6 +16,7 @@ from typing import Any
 from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 from navfmu.export.fingerprint import fingerprint
+from navfmu.export.icon import icon
 from navfmu.files import write_file
 from navfmu.unpack import cache_directory
 
@@ -192,7 +193,7 @@ def pack(sources: Sources, libraries: dict[str, Path], platforms: Iterable[str],
     page = documentation.page(model, run, [sources.component] if sources.component else [])
     files: dict[str, bytes | str] = {
         "modelDescription.xml": sources.description,
-        "model.png": archive.icon(model.name),
+        "model.png": icon(model.name),
         "documentation/index.html": page,
     }
     files |= {f"documentation/licenses/{name}": text for name, text in _licenses().items()}

@@ -17,6 +17,7 @@ from pathlib import Path
 from navfmu.errors import NavfmuError
 from navfmu.export import archive, description, ir
 from navfmu.export.declaration import Component
+from navfmu.export.icon import icon
 
 _CARRIED = ("errors", "export", "export.ir", "export.declaration", "export.noise", "export.interpreter")
 
@@ -237,7 +238,7 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     folder = Path(pythonfmu.__file__).parent
     entries = {
         "modelDescription.xml": xml.encode(),
-        "model.png": archive.icon(model.name),
+        "model.png": icon(model.name),
         "documentation/index.html": documentation.page(model, None, [component], twin=True).encode(),
         "documentation/licenses/pythonfmu.txt": _license().encode(),
         "resources/slavemodule.txt": unique.encode(),
