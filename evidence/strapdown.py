@@ -7,6 +7,8 @@ C_ib f + G(r), where G is gravity plus the centrifugal term, iterated (Picard) u
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pymap3d
 from scipy.spatial.transform import Rotation
@@ -39,11 +41,21 @@ def _level(latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(v, -1) for v in (north, east, down)], -1)
 
 
-def navigate(period, specific_force, rate, latitude, longitude, altitude, velocity_n, euler):
-    """Latitude, longitude, altitude (arrays over all samples) and the final C_nb from an odd number of samples.
+def navigate(
+    period: float,
+    specific_force: np.ndarray,
+    rate: np.ndarray,
+    latitude: float,
+    longitude: float,
+    altitude: float,
+    velocity_n: np.ndarray,
+    euler: Sequence[float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Latitude (rad), longitude (rad), altitude (m), arrays over all samples, and the final C_nb, shape (3, 3).
 
-    Start: position (rad, rad, m), velocity in n and (roll, pitch, heading) at the first sample; e and inertial axes
-    coincide then.
+    An odd number of samples every ``period`` (s): specific force (m/s2) and angular rate of b in inertial space
+    (rad/s), both in b, shape (samples, 3). Start: position (rad, rad, m), velocity in n (m/s) and (roll, pitch,
+    heading) (rad) at the first sample; e and inertial axes coincide then.
     """
     count = len(rate)
     time = np.arange(count) * period

@@ -1,7 +1,9 @@
 """Traced numbers: :class:`Scalar`, and for each NumPy ufunc the rule that applies it to elements.
 
 An element of a traced array is a Python number (a constant) or a Scalar. A rule takes elements, at least one of them a
-Scalar, and returns an element; what it computes is what NumPy computes, to the last bit where the C library allows.
+Scalar, and returns an element; what it computes is what NumPy computes, to the last bit where the C library allows,
+for finite numbers. (A product with a constant 0, and 0 divided by something, are 0 whatever the other number is: else
+the zeros of constant matrices would be carried into the code.)
 """
 
 from __future__ import annotations
