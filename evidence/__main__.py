@@ -12,6 +12,7 @@ import click
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files import write_file
 from navfmu.report.page import Page
+from navfmu.results import check_folder
 
 SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "speed")
 
@@ -22,20 +23,20 @@ SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "speed")
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: headline, step_sizes, closure, real_flights, speed; all, or those NAMEd."""
     folder = Path(out)
-    folder.mkdir(parents=True, exist_ok=True)
     page = Page("navfmu: evidence", "What the project claims, measured by the long runs of this repository.")
     try:
-        for name in names or SECTIONS:
+        check_folder(folder)
+        for name in names:
             if name not in SECTIONS:
                 raise NavfmuError(f"there is no section '{name}'{nearest(name, SECTIONS)} ({', '.join(SECTIONS)})")
+        for name in names or SECTIONS:
             began = time.monotonic()
             importlib.import_module(f"evidence.{name}").run(folder, page)
             click.echo(f"{name}: {time.monotonic() - began:.0f} s")
+        report = write_file(folder / "evidence.html", page.html().encode())
     except NavfmuError as error:
         click.echo(f"evidence: {error}", err=True)
         sys.exit(2)
-    report = folder / "evidence.html"
-    write_file(report, page.html().encode())
     click.echo(f"report: {report}")
 
 

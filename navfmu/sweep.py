@@ -156,6 +156,8 @@ def sweep(
     none is given.
     """
     ordered = _checked_steps(steps)
+    if not 0.0 < tolerance < math.inf:
+        raise NavfmuError(f"the tolerance is {100 * tolerance:g} %, expected a positive number")
     stop = stop if stop is not None else system.structure.stop_time
     if stop is None:
         raise NavfmuError(f"{system.structure.origin}: suggests no stop time; give one")

@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
+import click
+
+from navfmu.errors import NavfmuError
 from navfmu.ssp.discovery import sources
 
 HERE = Path(__file__).resolve().parent
 
-if __name__ == "__main__":
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+def main() -> None:
+    """Write each system's documents (.ssd, .ssv) beside its system.py, from the FMUs in dist/."""
+    try:
+        write()
+    except NavfmuError as error:
+        click.echo(f"system_ssp: {error}", err=True)
+        sys.exit(2)
+
+
+def write() -> None:
+    """Write the documents, and print what was written."""
     for folder, source in sources(HERE, HERE.parent / "dist").items():
         for path in source.write(folder):
-            print(path.relative_to(HERE.parent))
+            click.echo(path.relative_to(HERE.parent))
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m system_ssp")

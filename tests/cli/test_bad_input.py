@@ -250,6 +250,8 @@ SWEEPS = {
     "one step": (["--steps", "0.1"], "at least two different steps"),
     "a step that is no number": (["--steps", "0.1,x"], "'x' is not a number"),
     "a negative step": (["--steps", "0.1,-1"], "step must be a positive number"),
+    "a tolerance that nothing keeps": (["--steps", "0.1,0.2", "--tolerance", "-1"], "the tolerance is -1 %, expected"),
+    "a tolerance that is no number": (["--steps", "0.1,0.2", "--tolerance", "nan"], "the tolerance is nan %, expected"),
     "steps without a common point": (["--steps", "0.1,19.9"], "share fewer than two points"),
     "signals that are not Real": (["--steps", "0.1,0.2", "--signals", "sensor.reading.valid"], "nothing to compare"),
 }
