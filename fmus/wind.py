@@ -26,8 +26,8 @@ class Wind(Component):
     name = "wind"
     example = Example(
         duration=1800.0,
-        text="Half an hour of wind, which wanders by 5 m/s (10 kn, 1 sigma) on each axis and forgets within some 400 s. Another "
-        "`seed` gives another wind.",
+        text="Half an hour of wind, which wanders by 5 m/s (10 kn, 1 sigma) on each axis and forgets within some "
+        "400 s. Another `seed` gives another wind.",
     )
 
     mean_n = Parameter(
