@@ -407,7 +407,10 @@ class Layout:
             self.tasks.append(TaskDeclaration(name, kind, member, argument, len(parameters) == 2, stream, place))
         elif hasattr(member, "_navfmu_requirement"):
             message, place = member._navfmu_requirement
-            names = tuple(n for _, n, _, _ in string.Formatter().parse(message) if n)
+            shown = [field[1:] for field in string.Formatter().parse(message) if field[1] is not None]
+            if any(not name or form or conversion for name, form, conversion in shown):
+                self.fail("a sentence shows a parameter as {name}, with a name and without a format", place)
+            names = tuple(name for name, _, _ in shown)
             self.requirements.append(Requirement(message, member, names, place))
 
     def _add(self, name: str, declared: Variable, bundle: str | None = None) -> None:

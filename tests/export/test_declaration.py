@@ -203,6 +203,8 @@ CLASSES = {
     "arguments": (_class(T=Parameter("s"), step=every("T")(_greedy())), "noise"),
     "reserved name": (_class(time=Input("s")), "'time'"),
     "sentence names nothing": (_class(a=Parameter("s"), c=require("{aa} is wrong")(_quiet())), "did you mean 'a'?"),
+    "sentence with a format": (_class(a=Parameter("s"), c=require("{a:.2f} is wrong")(_quiet())), "without a format"),
+    "sentence with a gap": (_class(a=Parameter("s"), c=require("{} is wrong")(_quiet())), "with a name"),
     "name": (_class(name="air data"), "identifier"),
 }
 
