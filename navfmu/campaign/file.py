@@ -20,6 +20,7 @@ from = 300.0                         # s
 from __future__ import annotations
 
 import math
+import os
 import re
 import tomllib
 from collections.abc import Callable, Iterator
@@ -206,8 +207,12 @@ class _File:
             flat[name] = value
         return flat
 
+    def beside(self, name: str) -> Path:
+        """A path seen from the campaign file, without the detours that would stand in reports."""
+        return Path(os.path.normpath(self.path.parent / name))
+
     def system(self, name: str) -> Path:
-        beside = self.path.parent / name
+        beside = self.beside(name)
         if beside.exists():
             return beside
         try:
@@ -264,7 +269,7 @@ class _File:
         faults: list[Fault] = []
         files: list[str] = []
         for name in self.names("faults", [given] if isinstance(given, str) else given, "case", index):
-            beside = self.path.parent / name
+            beside = self.beside(name)
             try:
                 path = beside if beside.is_file() else system.attachment("faults", name)
             except NavfmuError as error:

@@ -44,6 +44,12 @@ class Cell:
         """95 % confidence interval of the share of runs that hold, in percent."""
         return wilson(self.held, self.total)
 
+    @property
+    def rank(self) -> tuple[bool, float, float]:
+        """Sorts the worst first: violated, by the share of runs that hold, by the time the worst run is inside."""
+        finding = None if self.worst is None else self.worst.findings.get(self.requirement.id)
+        return self.passed, self.held / max(self.total, 1), 0.0 if finding is None else finding.percent
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -54,7 +54,7 @@ def _matrix(out: Console, outcome: Outcome) -> None:
 
 def _violated(out: Console, outcome: Outcome) -> None:
     """In words, the fewest holding runs first."""
-    violated = sorted((c for c in outcome.cells if not c.passed), key=lambda cell: cell.held / max(cell.total, 1))
+    violated = sorted((c for c in outcome.cells if not c.passed), key=lambda cell: cell.rank)
     for cell in violated[:SEEN]:
         where = f"{cell.requirement.id}, {cell.variant}, {cell.case}"
         out.print(f"[red]violated[/] {escape(where)}: {escape(cell.sentence)}", soft_wrap=True)

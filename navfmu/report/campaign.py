@@ -159,7 +159,7 @@ def _verdict_section(result: Page, outcome: Outcome) -> None:
     result.table(["variant", "case", *ids], rows, style)
     result.items(_in_words(requirement) for requirement in campaign.requirements)
     result.heading("What was seen, worst first")
-    ordered = sorted(outcome.cells, key=lambda cell: (cell.passed, cell.held / max(cell.total, 1)))
+    ordered = sorted(outcome.cells, key=lambda cell: cell.rank)
     result.table(
         ["requirement", "variant", "case", "verdict", "95 % interval of the share of runs", "seen"],
         [
@@ -216,11 +216,15 @@ def _case_section(result: Page, outcome: Outcome) -> None:
             rows.append([case.name, case.description, "", "", "", ""])
         for fault in case.faults:
             values = ", ".join(f"{key} = {value}" for key, value in fault.parameters.items())
-            until = "" if not np.isfinite(fault.duration) else f" to {fault.start + fault.duration:g}"
+            end = fault.start + fault.duration
+            when = f"{fault.start:g} to {end:g}" if np.isfinite(end) else f"from {fault.start:g}"
             kind = f"{fault.type}{' (' + values + ')' if values else ''}"
-            rows.append([case.name, case.description, fault.id, fault.target, kind, f"{fault.start:g}{until}"])
+            rows.append([case.name, case.description, fault.id, fault.target, kind, when])
     result.heading("Cases")
-    result.table(["case", "description", "fault", "target", "type", "time, s"], rows)
+    headings = ["case", "description", "fault", "target", "type", "time, s"]
+    if not any(case.description for case in outcome.campaign.cases):
+        headings, rows = headings[:1] + headings[2:], [row[:1] + row[2:] for row in rows]
+    result.table(headings, rows)
 
 
 def _failures(result: Page, outcome: Outcome) -> None:

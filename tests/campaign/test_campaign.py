@@ -279,6 +279,29 @@ def test_a_requirement_that_no_recorded_point_can_answer_is_refused(tmp_path):
         load_campaign(file)
 
 
+def test_the_worst_comes_first(done):
+    cells = sorted(run_campaign(load_campaign(done[0]), done[1]).cells, key=lambda cell: cell.rank)
+    assert [cell.passed for cell in cells] == sorted(cell.passed for cell in cells)
+    shares = [cell.held / cell.total for cell in cells if not cell.passed]
+    assert shares == sorted(shares)
+    percents = [
+        cell.worst.findings[cell.requirement.id].percent
+        for cell in cells
+        if cell.worst is not None and not cell.passed and cell.held == 0 and cell.requirement.quantile is None
+    ]
+    assert percents == sorted(percents)
+
+
+def test_paths_beside_the_file_have_no_detours(tmp_path):
+    (tmp_path / "faults").mkdir()
+    (tmp_path / "campaigns").mkdir()
+    fault = '[[fault]]\nid = "F"\ntarget = "lag.y"\ntype = "bias"\nvalue = 1.0\n'
+    (tmp_path / "faults" / "f.toml").write_text(fault)
+    text = CAMPAIGN.replace('faults = "stuck"', 'faults = "../faults/f.toml"')
+    campaign = load_campaign(write(tmp_path / "campaigns", text.format(system=systems.tracker())))
+    assert campaign.cases[1].files == (str(tmp_path / "faults" / "f.toml"),)
+
+
 def test_a_single_table_is_answered_with_the_way_to_write_it(tmp_path):
     file = write(tmp_path, f'system = "{systems.tracker()}"\n[case]\nname = "nominal"\n')
     with pytest.raises(NavfmuError, match=r"line 2: 'case' is written as tables: \[\[case\]\]"):
