@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -272,8 +273,8 @@ class System:
             values = expand(self.fmus[component].description, {variable: value}, where)
             self._refuse_connected(component, values, where)
             given[component] |= values
-        if seed is not None and not 0 <= seed < 2**31:
-            raise NavfmuError(f"the seed is {seed}, expected 0 to 2147483647")
+        if seed is not None and not (isinstance(seed, Integral) and 0 <= seed < 2**31):
+            raise NavfmuError(f"the seed is {seed!r}, expected a whole number from 0 to 2147483647")
         start = {}
         for name, fmu in self.fmus.items():
             start[name] = {**self.values[name]}
@@ -347,7 +348,7 @@ def describe_fault(fault: Fault) -> dict[str, Any]:
 
 def _default_period(stop: float, step: float) -> float | None:
     """Every step if that gives at most ``ROWS`` rows, else the next of 0.1 s, 1 s, 10 s ... that is a multiple."""
-    if not (isinstance(stop, (int, float)) and isinstance(step, (int, float)) and step > 0) or stop / step <= ROWS:
+    if not (isinstance(stop, Real) and isinstance(step, Real) and step > 0) or stop / step <= ROWS:
         return None
     period = 0.1
     while period < 1e9:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Real
 
 from navfmu.errors import NavfmuError
 
@@ -34,7 +35,7 @@ class Clock:
     def of(cls, step: float, stop: float) -> Clock:
         """The clock of a run from 0 to ``stop`` (s) in steps of ``step`` (s), of which it must be a multiple."""
         for name, value in (("step", step), ("stop time", stop)):
-            if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
+            if not (isinstance(value, Real) and math.isfinite(value) and value > 0):
                 raise NavfmuError(f"the {name} must be a positive number of seconds, not {value!r}")
         step, stop = float(step), float(stop)
         short = Fraction(step).limit_denominator(1_000_000)
@@ -73,7 +74,7 @@ class Clock:
 
     def multiple(self, period: float, what: str) -> int:
         """``period`` (s) as a whole number of steps, at least 1; ``what`` names it in the error."""
-        if not (isinstance(period, int | float) and math.isfinite(period) and period > 0):
+        if not (isinstance(period, Real) and math.isfinite(period) and period > 0):
             raise NavfmuError(f"the {what} must be a positive number of seconds, not {period!r}")
         ratio = exact(period) / self.ratio
         count = round(ratio)

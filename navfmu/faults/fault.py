@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
@@ -105,5 +106,5 @@ class FaultError(NavfmuError):
 
 
 def is_number(value: object) -> bool:
-    """True for an int or float that is not a Boolean and not NaN."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and not math.isnan(value)
+    """True for a real number, also one of NumPy, that is not a Boolean and not NaN."""
+    return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)

@@ -1,5 +1,6 @@
 """Time is counted in whole steps."""
 
+import numpy as np
 import pytest
 
 from navfmu.engine.clock import FOREVER, Clock
@@ -38,6 +39,18 @@ def test_a_stop_time_between_steps_is_refused_with_the_nearest_ones():
 def test_step_and_stop_must_be_positive_numbers(step, stop):
     with pytest.raises(NavfmuError, match="must be a positive number of seconds"):
         Clock.of(step, stop)
+
+
+def test_numbers_of_numpy_are_numbers():
+    clock = Clock.of(np.float32(0.5), np.int64(2))
+    assert (clock.step, clock.steps, clock.multiple(np.int32(1), "period")) == (0.5, 4, 2)
+
+
+def test_steps_that_cannot_be_counted_are_refused():
+    with pytest.raises(NavfmuError, match="more steps than can be counted exactly"):
+        Clock.of(1e-300, 1.0)
+    with pytest.raises(NavfmuError, match="more steps than can be counted exactly"):
+        Clock.of(0.01, 1e300)
 
 
 def test_the_first_point_at_or_after_a_time():

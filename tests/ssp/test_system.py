@@ -106,6 +106,9 @@ def test_a_long_run_is_recorded_more_rarely(tracker):
     [
         ({"stop": 0}, "stop time must be a positive number"),
         ({"stop": -1}, "stop time must be a positive number"),
+        ({"seed": "1"}, "the seed is '1', expected a whole number"),
+        ({"seed": 1.5}, "the seed is 1.5, expected a whole number"),
+        ({"algorithm": None}, "unknown algorithm 'None'"),
         ({"step": 0}, "step must be a positive number"),
         ({"step": float("nan")}, "step must be a positive number"),
         ({"stop": 1.05}, "is not a multiple of the step"),
@@ -119,7 +122,7 @@ def test_a_long_run_is_recorded_more_rarely(tracker):
         ({"parameters": {"sensor.sigma": -1}}, "is out of range: expected at least 0 m"),
         ({"parameters": {"sensor.sigma": "1 s"}}, "'s' cannot be converted to 'm'"),
         ({"parameters": {"sensor.sigma": "one"}}, "expected a number"),
-        ({"seed": -1}, "the seed is -1, expected 0 to"),
+        ({"seed": -1}, "the seed is -1, expected a whole number"),
         ({"faults": "nothing.toml"}, "nothing.toml"),
         ({"faults": [Fault("F", "sensor.reading.valid", "bias", parameters={"value": 1.0})]}, "acts on Real outputs"),
         ({"faults": [Fault("F", "lag.u", "input", parameters={"value": 1.0})]}, "is connected"),
