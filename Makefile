@@ -13,6 +13,8 @@ run: build
 		--steps 0.002,0.005,0.01,0.02,0.05,0.1,0.2,0.5,1
 
 test: $(READY)
+	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/python build_fmus.py
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
 
@@ -26,7 +28,7 @@ build: $(READY)
 	@$(BIN)/python build_fmus.py
 
 $(READY): pyproject.toml
-	@echo "Setting up $(VENV): about 600 MB of packages (a compiler for five platforms among them), a few minutes once"
+	@echo "Setting up $(VENV): about 340 MB to load and 1.5 GB on disk (a compiler for five platforms), once"
 	@$(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install --disable-pip-version-check -e ".[test]"
 	@touch $@
