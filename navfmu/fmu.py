@@ -256,6 +256,8 @@ def _validated(path: Path, where: str) -> Any:
             return read_model_description(str(path), validate=False)  # matters only for inputs that nothing feeds
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise NavfmuError(f"{where}: is not valid: {problems[0]}{more}") from None
+    except KeyError as error:  # FMPy looks units and types up by name
+        raise NavfmuError(f"{where}: refers to {error}, which it does not define") from None
     except Exception as error:  # FMPy raises Exception, KeyError, ... on contents it does not expect
         raise NavfmuError(f"{where}: cannot be read: {error}") from None
 

@@ -55,4 +55,4 @@ def _plain(message: str) -> str:
     """A schema message without namespaces in braces."""
     import re
 
-    return re.sub(r"\{[^}]*\}", "", message).rstrip(".")
+    return re.sub(r"\{\w+://[^}]*\}", "", message).rstrip(".")

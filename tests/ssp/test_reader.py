@@ -287,3 +287,10 @@ def test_a_source_outside_the_package_is_refused(folder, tmp_path):
         archive.writestr("SystemStructure.ssd", ssd().replace("resources/plant.fmu", "../../../plant.fmu"))
     with pytest.raises(NavfmuError, match="lies outside the package"):
         System.load(tmp_path / "s.ssp")
+
+
+def test_a_value_outside_an_enumeration_is_answered_with_those_that_are_allowed(folder):
+    text = ssd(wire("sensor.reading", "filter.reading")).replace('kind="output"', 'kind="outptu"', 1)
+    assert "outptu" in text
+    with pytest.raises(NavfmuError, match=r"line \d+: .*'outptu' is not an element of the set \{'input', 'output'"):
+        load(folder, text)
