@@ -262,3 +262,14 @@ def test_sweep_with(name, tmp_path):
     arguments, sentence = SWEEPS[name]
     refused(navfmu("sweep", systems.tracker(), *arguments, "--out", tmp_path / "out"), sentence)
     assert not (tmp_path / "out").exists()
+
+
+def test_the_tools_of_the_checkout_refuse_what_they_do_not_know(tmp_path):
+    from evidence.__main__ import main as evidence
+    from system_ssp.__main__ import main as documents
+
+    refused(CliRunner().invoke(evidence, ["closur", "--out", str(tmp_path / "e")]), "no section 'closur'", "'closure'")
+    (tmp_path / "file").write_text("x")
+    refused(CliRunner().invoke(evidence, ["closure", "--out", str(tmp_path / "file" / "e")]), "is not a folder")
+    refused(CliRunner().invoke(documents, ["everything"]), "unexpected extra argument")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
