@@ -95,7 +95,7 @@ class Flights:
 
     def percentile(self, q: float) -> np.ndarray:
         """Over the runs, at each second."""
-        return np.percentile(self.horizontal, q, axis=0)
+        return np.percentile(self.horizontal, q, axis=0, method="higher")
 
     def inside_three_sigma(self) -> float:
         """Share of the samples at which both errors are within three standard deviations."""

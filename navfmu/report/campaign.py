@@ -308,7 +308,7 @@ def percentiles(outcome: Outcome, runs: list[Judged], signal: str, case: Case, l
     unit = outcome.campaign.systems[runs[0].run.variant].variable(signal.removesuffix("@true")).unit
     with figure(size=(9.0, 4.2), below=0.45) as (drawing, axis):
         if len(series) > 1:
-            low, middle, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0)
+            low, middle, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0, method="higher")
             axis.fill_between(
                 time, low, high, color=COLOURS[0], alpha=0.25, linewidth=0, label="5th to 95th percentile"
             )
