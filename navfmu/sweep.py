@@ -168,7 +168,8 @@ def sweep(
     plans = {}
     for algorithm in ALGORITHMS:
         for step in ordered:
-            wanted = [*system.signals(signals), *counters]
+            chosen = system.signals(signals)
+            wanted = [*chosen, *_validities(system, chosen), *counters]
             plans[algorithm, step] = system.plan(stop, step, algorithm, seed, chosen_faults, wanted, period, parameters)
     total = sum(plan.clock.steps for plan in plans.values())
     frames = _run_all(system, plans, jobs, _Sum(progress, total))
@@ -177,7 +178,7 @@ def sweep(
     compared = [n for n in reference.columns if reference[n].dtype.kind == "f" and not n.endswith(".time_of_validity")]
     if not compared:
         raise NavfmuError("none of the chosen signals is Real: there is nothing to compare")
-    spans = {name: float(reference[name].max() - reference[name].min()) for name in compared}
+    spans = {name: _span(reference, name) for name in compared}
     rows = [
         Row(
             algorithm,
@@ -264,11 +265,37 @@ def _shared_period(steps: Sequence[float], stop: float) -> float:
     return float(common * thin)
 
 
-def _size(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) -> tuple[float, float]:
-    """Root mean square and greatest size of the difference; that of angles is taken the short way round."""
+def _validities(system: System, signals: Sequence[str]) -> list[str]:
+    """The ``valid`` of every bundle that a signal belongs to."""
+    known = {f"{name}.{variable.name}" for name, fmu in system.fmus.items() for variable in fmu.description.variables}
+    return sorted({_validity(signal) for signal in signals} & known)
+
+
+def _validity(signal: str) -> str:
+    return f"{signal.rpartition('.')[0]}.valid"
+
+
+def _valid(frame: pandas.DataFrame, name: str) -> Any:
+    """Which points of a signal mean something: before its first measurement a bundle shows start values."""
     import numpy as np
 
-    error = frame[name].to_numpy() - reference[name].to_numpy()
+    validity = _validity(name)
+    return frame[validity].to_numpy(bool) if validity in frame.columns else np.ones(len(frame), bool)
+
+
+def _span(frame: pandas.DataFrame, name: str) -> float:
+    values = frame[name].to_numpy()[_valid(frame, name)]
+    return float(values.max() - values.min()) if len(values) else 0.0
+
+
+def _size(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) -> tuple[float, float]:
+    """Root mean square and greatest size of the difference where both are valid; angles differ the short way round."""
+    import numpy as np
+
+    both = _valid(frame, name) & _valid(reference, name)
+    error = (frame[name].to_numpy() - reference[name].to_numpy())[both]
+    if not len(error):
+        return 0.0, 0.0
     if reference.attrs["units"].get(name) == "rad":
         error = np.remainder(error + np.pi, 2.0 * np.pi) - np.pi
     return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))

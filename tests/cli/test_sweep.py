@@ -85,3 +85,14 @@ def test_angles_differ_by_the_short_way_round(unit, largest):
     for frame in angles:
         frame.attrs["units"] = {"a": unit}
     assert _size(*angles, "a")[1] == pytest.approx(largest)
+
+
+def test_start_values_before_the_first_measurement_are_not_compared():
+    early = sweep(System.load(systems.tracker()), [0.05, 0.1], signals=["estimator.solution"], stop=0.4, seed=3)
+    frame = System.load(systems.tracker()).run(
+        stop=0.4, step=0.05, seed=3, record=["estimator.solution"], record_period=0.1
+    )
+    values = frame["estimator.solution.length"][frame["estimator.solution.valid"].astype(bool)]
+    assert len(values) < len(frame)
+    (row, *_) = early.of("gauss_seidel", "estimator.solution.length")
+    assert row.span == pytest.approx(values.max() - values.min())
