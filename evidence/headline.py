@@ -119,7 +119,7 @@ class Flights:
 def picture(flights: dict[str, Flights]) -> bytes:
     """Median and 95th percentile against time, one panel without and one with ranges."""
     colour = dict(zip(NAMES, COLOURS, strict=False))
-    with figure(1, 2, size=(11.0, 4.8), below=0.75) as (drawing, (left, right)):
+    with figure(1, 2, size=(11.0, 4.6), below=0.6) as (drawing, (left, right)):
         panels = [(left, ["open_loop", "main"]), (right, ["main", "two_receivers", "scanning"])]
         for axis, names in panels:
             for name in names:
@@ -135,5 +135,5 @@ def picture(flights: dict[str, Flights]) -> bytes:
             axis.set_ylabel("horizontal error, m")
             axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, fontsize=8)
         left.set_title("Dead reckoning drifts away, DME ranges bound it")
-        right.set_title("With any receiver 95 % of flights keep within 0.5 n.mi.")
+        right.set_title("With any receiver 95 % stay within 0.5 n.mi.")
         return png(drawing)
