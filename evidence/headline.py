@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.navigation import beyond
@@ -45,12 +46,11 @@ def run(out: Path, page: Page) -> None:
         "'At every minute' is the largest value over the 30 whole minutes that follow. The share inside 3 sigma is "
         "over all seconds of all flights; a share of runs has the uncertainty of a binomial with this many runs."
     )
-    minutes, hdop = dilution()
+    hdop = dilution()
+    listed = ", ".join(f"{value:.2f} at {second / 60:.0f} min" for second, value in hdop.iloc[4::5].items())
     page.text(
-        f"Stations thesis_like: the dilution of precision along the flight is {hdop.min():.2f} to {hdop.max():.2f} (the "
-        "coordinates of thesis Fig 7.12 are not in its text; these were chosen for the approach). Every five minutes: "
-        + ", ".join(f"{value:.2f} at {minute:.0f} min" for minute, value in zip(minutes, hdop, strict=True))
-        + "."
+        "Stations thesis_like (the coordinates of thesis Fig 7.12 are not in its text; these were chosen for the "
+        f"approach): the dilution of precision along the flight is {hdop.min():.2f} to {hdop.max():.2f}; {listed}."
     )
     page.picture(image, "Horizontal error of every receiver against time since GPS was lost")
     page.table(HEADINGS, [[NAMES[name], *f.row()] for name, f in flights.items()])
@@ -64,13 +64,12 @@ def run(out: Path, page: Page) -> None:
     )
 
 
-def dilution() -> tuple[np.ndarray, np.ndarray]:
-    """HDOP of the navigator's stations along the flight: minutes since its start, and values, every five minutes."""
+def dilution() -> pd.Series:
+    """HDOP of the navigator's stations along the flight at each whole minute without GPS, by time in s."""
     flight = System.load("backup_navigator", "scanning").run(
         seed=1, faults="gps_lost", record=["navigator.hdop"], record_period=60.0
     )
-    values = flight["navigator.hdop"][flight.index > LOST].iloc[::5]
-    return values.index.to_numpy() / 60.0, values.to_numpy()
+    return flight["navigator.hdop"][flight.index > LOST]
 
 
 HEADINGS = (
