@@ -245,7 +245,7 @@ class SystemSource:
             _open(
                 "ssd:SystemStructureDescription",
                 version="1.0",
-                name=variant or self.name,
+                name=f"{self.name}_{variant}" if variant else self.name,
                 **_xmlns("osp", "ssc", "ssd"),
             ),
             "  " + _open("ssd:System", name=self.name, description=special.description or self._base.description),
