@@ -20,6 +20,7 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     from t = 0. What was found in the recording, and what the smoothing changed, is printed.
     """
     from navfmu.errors import NavfmuError
+    from navfmu.progress import Progress
     from navfmu.results import check_file
     from navfmu.shipped import path as shipped
     from navfmu.track.archive import write_fmu
@@ -32,7 +33,8 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     if picture:
         check_file(picture, ".png")
     player = shipped("track.fmu")
-    imported = import_track(file, minimum_speed * KNOT, skip_incomplete)
+    with Progress("importing the track") as progress:
+        imported = import_track(file, minimum_speed * KNOT, skip_incomplete, progress=progress)
     write_fmu(imported, player, out, name)
     if picture:
         from navfmu.track.picture import draw

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from navfmu.track.smooth import Flight, Manoeuvre, Noise, Residuals, smooth
 
 HOLE = 15.0  # s without a measured position that are worth a line in the report
 SHORTEST_FLIGHT = 60.0
+PASSES = 5  # of smoothing, until the estimate of the timing jitter holds
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ def import_track(
     minimum_speed: float = 60.0 * KNOT,
     skip_incomplete: bool = False,
     manoeuvre: Manoeuvre | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Imported:
     """Read, examine and smooth a recorded track.
 
@@ -67,6 +70,7 @@ def import_track(
     minimum_speed : m/s over ground above which the aircraft counts as flying
     skip_incomplete : leave out rows that lack a required value instead of refusing the file
     manoeuvre : how hard the aircraft may accelerate; the default suits transport and general aviation
+    progress : called with the passes of smoothing that are done, the most there can be, and a note
     """
     recording = read(path, skip_incomplete)
     account = found.Defects()
@@ -96,7 +100,7 @@ def import_track(
     recording, remarks = found.checked_track(recording, measured)
     account.sentences.extend(remarks)
     _account_for_rows(account, recording, measured, alive)
-    noise, flight, residuals = _smooth_with_estimated_jitter(recording, measured, known, alive, manoeuvre)
+    noise, flight, residuals = _smooth_with_estimated_jitter(recording, measured, known, alive, manoeuvre, progress)
     account.jitter = noise.time
     ahead = residuals.along[measured] / np.maximum(found.ground_speed(recording)[measured], found.MOVING)
     say(
@@ -107,7 +111,12 @@ def import_track(
 
 
 def _smooth_with_estimated_jitter(
-    recording: Recording, measured: np.ndarray, known: np.ndarray, alive: np.ndarray, manoeuvre: Manoeuvre | None
+    recording: Recording,
+    measured: np.ndarray,
+    known: np.ndarray,
+    alive: np.ndarray,
+    manoeuvre: Manoeuvre | None,
+    progress: Callable[[int, int, str], None] | None,
 ) -> tuple[Noise, Flight, Residuals]:
     """Smooth, estimate the time errors from the distances along the track, and smooth again until both agree.
 
@@ -115,7 +124,9 @@ def _smooth_with_estimated_jitter(
     """
     first = float(np.clip(found.timing_jitter(recording, measured), 0.02, 5.0))
     jitter = first
-    for _ in range(5):
+    for number in range(PASSES):
+        if progress is not None:
+            progress(number, PASSES, f"smoothing, pass {number + 1} of at most {PASSES}")
         noise = Noise(time=jitter)
         flight, residuals = smooth(recording, measured, known, alive, noise, manoeuvre)
         ahead = residuals.along[measured] / np.maximum(found.ground_speed(recording)[measured], found.MOVING)
