@@ -88,7 +88,7 @@ def show(contests: Sequence[Contest]) -> None:
 
 def write(contests: Sequence[Contest], path: Path) -> None:
     """Write everything measured as JSON."""
-    from navfmu.provenance import versions
+    from navfmu.system.provenance import versions
 
     path.parent.mkdir(parents=True, exist_ok=True)
     content = {

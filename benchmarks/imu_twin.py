@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from benchmarks.contest import Contest, compete, main
 from benchmarks.masters import Ours
-from navfmu import System, shipped
+from navfmu import System
+from navfmu.system import shipped
 
 STEP, LONG = 0.01, 50_000.0
 

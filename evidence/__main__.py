@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.files import write_file
+from navfmu.files.writing import write_file
 from navfmu.report.page import Page
-from navfmu.results import check_folder
+from navfmu.system.result import check_folder
 
 SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "speed")
 

@@ -9,7 +9,7 @@ import numpy as np
 from evidence import strapdown
 from navfmu.report.figure import COLOURS, figure, png
 from navfmu.report.page import Page
-from navfmu.system import System
+from navfmu.system.system import System
 
 PERIOD = 0.01
 STOP = 1800.0

@@ -10,10 +10,10 @@ import pandas as pd
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.navigation import beyond
 from navfmu.campaign.outcome import Outcome
-from navfmu.progress import Progress
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
-from navfmu.system import System
+from navfmu.system.system import System
+from navfmu.terminal.progress import Progress
 
 CAMPAIGN = Path(__file__).parents[1] / "system_ssp" / "backup_navigator" / "campaigns" / "headline.toml"
 LOST = 300.0

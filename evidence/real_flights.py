@@ -16,14 +16,14 @@ import pymap3d
 
 from fmus.stations import FOOT, NAUTICAL_MILE, PLACES, Station, StationSet
 from models import dme, magnetic_field
-from navfmu import shipped
 from navfmu.faults import Fault
-from navfmu.progress import Progress
+from navfmu.recorded.archive import write_fmu
+from navfmu.recorded.importer import import_track
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
-from navfmu.system import System
-from navfmu.track.archive import write_fmu
-from navfmu.track.importer import import_track
+from navfmu.system import shipped
+from navfmu.system.system import System
+from navfmu.terminal.progress import Progress
 from system_ssp.backup_navigator.system import source
 
 FLIGHTS = ("toulouse", "sydney")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from benchmarks import flight, imu_twin, ring, startup
 from benchmarks.contest import Claim, write
-from navfmu.progress import Progress
 from navfmu.report.page import Page
+from navfmu.terminal.progress import Progress
 
 BENCHMARKS = (ring, flight, imu_twin, startup)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from navfmu.progress import Progress
 from navfmu.report.page import Page
-from navfmu.report.sweep import picture, write_report
-from navfmu.sweep import ALGORITHMS, sweep
-from navfmu.system import System
+from navfmu.sweep.report import picture, write_report
+from navfmu.sweep.sweep import ALGORITHMS, sweep
+from navfmu.system.system import System
+from navfmu.terminal.progress import Progress
 
 STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 SIGNALS = (

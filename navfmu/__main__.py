@@ -1,6 +1,6 @@
 """``python -m navfmu``."""
 
-from navfmu.cli import main
+from navfmu.cli.main import main
 
 if __name__ == "__main__":
     main()

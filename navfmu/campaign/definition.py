@@ -8,7 +8,7 @@ from typing import Any
 
 from navfmu.campaign.requirement import Requirement
 from navfmu.faults import Fault
-from navfmu.system import System
+from navfmu.system.system import System
 
 
 @dataclass(frozen=True)

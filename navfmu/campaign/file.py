@@ -27,17 +27,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from navfmu import shipped
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.campaign.requirement import MAIN, Requirement
-from navfmu.campaign.single import plan_of
+from navfmu.campaign.runs import plan_of
 from navfmu.engine.clock import Clock
 from navfmu.engine.plan import ALGORITHMS
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
-from navfmu.parameters import quantity
+from navfmu.fmi.values import quantity
 from navfmu.ssp import reader
-from navfmu.system import System
+from navfmu.system import shipped
+from navfmu.system.system import System
 
 TOP = {
     "name": str,

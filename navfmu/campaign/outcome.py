@@ -14,7 +14,7 @@ from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
 
 if TYPE_CHECKING:
     from navfmu.campaign.definition import Campaign, Case
-    from navfmu.campaign.single import Run
+    from navfmu.campaign.runs import Run
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from navfmu.campaign.outcome import Outcome
-from navfmu.info import console
+from navfmu.terminal.console import console
 
 SEEN = 12  # violated cells that are told in words; the report tells all
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.engine.effect import EFFECT
 from navfmu.engine.library import binary
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
 from navfmu.engine.recording import Recording, RunError, recording, refusal, room
 from navfmu.errors import NavfmuError
-from navfmu.faults.effect import EFFECT
 
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
 

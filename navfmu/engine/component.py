@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from navfmu.fmu import Fmu
+    from navfmu.fmi.fmu import Fmu
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
-from navfmu.fmu import library_suffix, platforms
+from navfmu.fmi.fmu import library_suffix, platforms
 
 HERE = Path(__file__).parent
 NATIVE = HERE / "native"  # native/<platform tuple>/navfmu_engine-<hash>.so

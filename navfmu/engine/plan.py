@@ -34,9 +34,9 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component, Variable
+from navfmu.engine.effect import EFFECT, Effect, effects_of, table
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
-from navfmu.faults.effect import EFFECT, Effect, effects_of, table
 from navfmu.faults.fault import Fault, is_number
 
 TYPES = ("Real", "Integer", "Boolean")

@@ -48,7 +48,7 @@ def main(
 def _build(names: tuple[str, ...], folder: str, out: Path, platforms: str, twins: bool, jobs: int | None) -> None:
     from navfmu.export.build import build_all
     from navfmu.export.discovery import choose, components
-    from navfmu.progress import Progress
+    from navfmu.terminal.progress import Progress
 
     started = time.monotonic()
     chosen = choose(components(folder), names)

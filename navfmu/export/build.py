@@ -17,8 +17,8 @@ from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 from navfmu.export.fingerprint import fingerprint
 from navfmu.export.icon import icon
-from navfmu.files import write_file
-from navfmu.unpack import cache_directory
+from navfmu.files.unpack import cache_directory
+from navfmu.files.writing import write_file
 
 RUNTIME = Path(__file__).parent / "runtime"
 LICENSES = Path(__file__).parent / "licenses"
@@ -60,8 +60,7 @@ def build(
     """Build one FMU for each component class (or lowered model) and return their paths, in order.
 
     ``platforms`` are ``"host"``, ``"all"`` or platform names of FMI 2 or FMI 3. What has not changed is taken from the
-    cache (:func:`navfmu.unpack.cache_directory`): a finished FMU when its sources are the same, else each library when
-    its C code is.
+    user's cache: a finished FMU when its sources are the same, else each library when its C code is.
     """
     return [built.path for built in build_all(models, out_dir, platforms, jobs, progress)]
 

@@ -1,0 +1,1 @@
+"""The parts of every report: pages, pictures, rows of numbers."""

@@ -11,11 +11,11 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.markup import parse, validate
+from navfmu.files.unpack import content_hash, unpack
+from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp.document import MAIN, NAMESPACES, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
-from navfmu.units import BASE, Unit
-from navfmu.unpack import content_hash, unpack
-from navfmu.xml import parse, validate
 
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
 FMU_TYPE = "application/x-fmu-sharedlibrary"

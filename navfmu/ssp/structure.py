@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from navfmu.units import Unit
+from navfmu.fmi.units import Unit
 
 
 @dataclass(frozen=True)

@@ -22,12 +22,12 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.files import write_file
-from navfmu.fmu import Description, Variable, describe
-from navfmu.parameters import expand, members
+from navfmu.files.writing import write_file
+from navfmu.files.zipped import zipped
+from navfmu.fmi.fmu import Description, Variable, describe
+from navfmu.fmi.units import BASE, Unit
+from navfmu.fmi.values import expand, members
 from navfmu.ssp.document import MAIN, NAMESPACES, PARAMETER_SET, RESOURCES
-from navfmu.units import BASE, Unit
-from navfmu.zip import zipped
 
 
 @dataclass

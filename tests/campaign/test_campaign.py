@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from navfmu import System
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.requirement import Requirement, judge, wilson
-from navfmu.cli import main
+from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from tests.components import systems
 
@@ -67,7 +67,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 def few_pictures():
     """Drawing takes longer than flying here."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("navfmu.report.campaign.PICTURED", 1)
+        patch.setattr("navfmu.campaign.report.PICTURED", 1)
         yield
 
 
@@ -361,10 +361,10 @@ def test_the_documented_example_uses_entries_that_exist():
 def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
     import shlex
 
-    from navfmu import results
+    from navfmu.system.result import read
 
     campaign = load_campaign(done[0])
-    from navfmu.campaign.single import command_of, runs_of
+    from navfmu.campaign.runs import command_of, runs_of
 
     run = next(r for r in runs_of(campaign) if (r.variant, r.case.name, r.seed) == ("slow", "stuck", 3))
     words = shlex.split(command_of(campaign, run))
@@ -372,5 +372,5 @@ def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
     out = tmp_path / "again.parquet"
     result = CliRunner().invoke(main, [*words[1:], "--record", "estimator.solution.length", "--out", str(out)])
     assert result.exit_code == 0, result.output
-    kept = results.read(run.file(done[1]))
-    assert results.read(out)["estimator.solution.length"].equals(kept["estimator.solution.length"])
+    kept = read(run.file(done[1]))
+    assert read(out)["estimator.solution.length"].equals(kept["estimator.solution.length"])

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from navfmu import shipped
-from navfmu.cli import main
+from navfmu.cli.main import main
 from navfmu.export import Component, Input, Output, Parameter, every, require
 from navfmu.export.build import build
+from navfmu.system import shipped
 from tests.components import systems
 from tests.ssp import fmus
 

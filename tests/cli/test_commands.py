@@ -13,11 +13,12 @@ import pandas
 import pytest
 from click.testing import CliRunner
 
-from navfmu import System, results
-from navfmu.cli import main
+from navfmu import System
+from navfmu.cli.main import main
 from navfmu.export import Bundle, Component, Input, Output, Parameter, every
 from navfmu.export.build import build
 from navfmu.ssp import SystemSource
+from navfmu.system import result
 from tests.components import systems
 
 
@@ -42,9 +43,9 @@ def test_help_answers_at_once():
 
 def test_help_lists_all_commands_without_importing_their_modules():
     script = (
-        "import sys; from click.testing import CliRunner; from navfmu.cli import main;"
+        "import sys; from click.testing import CliRunner; from navfmu.cli.main import main;"
         "print(CliRunner().invoke(main, ['--help']).output);"
-        "print([m for m in ('numpy', 'pandas', 'rich', 'lxml', 'navfmu.track.cli') if m in sys.modules])"
+        "print([m for m in ('numpy', 'pandas', 'rich', 'lxml', 'navfmu.cli.track') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
     for command in ("info", "run", "sweep", "campaign", "track"):
@@ -96,7 +97,7 @@ def test_run_writes_what_python_returns(tmp_path):
                   "--stop", 5, "--record", "sensor,estimator.sigma", "--record", "lag.y", "--record-period", 0.5,
                   "--faults", "stuck", "--out", out)  # fmt: skip
     assert "wrote 11 rows" in text
-    frame = results.read(out)
+    frame = result.read(out)
     expected = System.load(systems.tracker()).run(
         stop=5.0, seed=3, parameters={"sensor.sigma": 0.1}, record=["sensor", "estimator.sigma", "lag.y"],
         record_period=0.5, faults="stuck",
@@ -112,7 +113,7 @@ def test_a_csv_file_holds_the_same_bits_and_its_provenance_beside_it(tmp_path):
     arguments = ("run", systems.tracker(), "--stop", 2, "--seed", 1)
     navfmu(*arguments, "--out", tmp_path / "a.csv")
     navfmu(*arguments, "--out", tmp_path / "a.parquet")
-    a, b = results.read(tmp_path / "a.csv"), results.read(tmp_path / "a.parquet")
+    a, b = result.read(tmp_path / "a.csv"), result.read(tmp_path / "a.parquet")
     pandas.testing.assert_frame_equal(a, b, check_exact=True)
     assert json.loads((tmp_path / "a.csv.json").read_text())["seed"] == 1
 
@@ -124,7 +125,7 @@ def test_the_same_run_writes_the_same_bytes(tmp_path):
 
 
 def test_commas_inside_brackets_do_not_separate_signals():
-    from navfmu.cli import _names
+    from navfmu.cli.main import _names
 
     assert _names(["a.C[1,2],b.x", " c "]) == ["a.C[1,2]", "b.x", "c"]
 

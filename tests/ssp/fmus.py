@@ -5,7 +5,7 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
-from navfmu.fmu import library_suffix, platforms
+from navfmu.fmi.fmu import library_suffix, platforms
 
 UNITS = """
     <Unit name="m"><BaseUnit m="1"/><DisplayUnit name="nmi" factor="0.0005399568034557236"/></Unit>

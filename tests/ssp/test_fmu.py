@@ -12,8 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from navfmu import fmu, unpack
 from navfmu.errors import NavfmuError
+from navfmu.files import unpack
+from navfmu.fmi import fmu
 
 from . import fmus
 

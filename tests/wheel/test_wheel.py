@@ -71,7 +71,7 @@ def test_the_command_and_a_recorded_track_work_from_the_wheel_alone(python, tmp_
     assert listed.returncode == 0 and "navigator" in listed.stdout, listed.stderr
     rows = [f"{t},{48 + 1.0e-4 * t * 5:.6f},11.0,{3000 + t}" for t in range(0, 600, 5)]
     (tmp_path / "flight.csv").write_text("\n".join(["time_s,latitude_deg,longitude_deg,altitude_ft", *rows]))
-    made = call(python, tmp_path, "-m", "navfmu.cli", "track", "flight.csv", "--out", "flight.fmu")
+    made = call(python, tmp_path, "-m", "navfmu", "track", "flight.csv", "--out", "flight.fmu")
     assert made.returncode == 0 and (tmp_path / "flight.fmu").is_file(), made.stderr
-    flown = call(python, tmp_path, "-m", "navfmu.cli", "run", "flight.fmu", "--step", "0.1", "--out", "flight.parquet")
+    flown = call(python, tmp_path, "-m", "navfmu", "run", "flight.fmu", "--step", "0.1", "--out", "flight.parquet")
     assert flown.returncode == 0, flown.stderr

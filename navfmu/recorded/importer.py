@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.track import defects as found
-from navfmu.track.recording import FEWEST_ROWS, FOOT, KNOT, Recording, read
-from navfmu.track.smooth import Flight, Manoeuvre, Noise, Residuals, smooth
+from navfmu.recorded import defects as found
+from navfmu.recorded.smooth import Flight, Manoeuvre, Noise, Residuals, smooth
+from navfmu.recorded.track import FEWEST_ROWS, FOOT, KNOT, Recording, read
 
 HOLE = 15.0  # s without a measured position that are worth a line in the report
 SHORTEST_FLIGHT = 60.0

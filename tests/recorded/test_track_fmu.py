@@ -14,13 +14,13 @@ from evidence.strapdown import navigate
 from fmus.aircraft import Aircraft
 from fmus.track import Track
 from models import attitude
+from navfmu.cli.track import command
 from navfmu.errors import NavfmuError
 from navfmu.export import Input, Output
-from navfmu.track.archive import write_fmu
-from navfmu.track.cli import command
-from navfmu.track.importer import import_track
+from navfmu.recorded.archive import write_fmu
+from navfmu.recorded.importer import import_track
 from tests import built
-from tests.track.made import flight, recorded
+from tests.recorded.made import flight, recorded
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_any_other_archive_is_refused_as_player(imported, tmp_path):
 
 
 def test_command_writes_the_fmu_and_shows_residuals(csv, player, tmp_path, monkeypatch):
-    monkeypatch.setattr("navfmu.shipped.path", lambda name: player)
+    monkeypatch.setattr("navfmu.system.shipped.path", lambda name: player)
     arguments = [str(csv), "--out", str(tmp_path / "out.fmu"), "--picture", str(tmp_path / "out.png")]
     outcome = CliRunner().invoke(command, arguments, catch_exceptions=False)
     assert outcome.exit_code == 0

@@ -14,12 +14,12 @@ from navfmu.campaign.definition import Case
 from navfmu.campaign.navigation import statistics
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
-from navfmu.campaign.single import command_of
+from navfmu.campaign.runs import command_of
 from navfmu.errors import NavfmuError
-from navfmu.files import replacing, write_file
+from navfmu.files.writing import replacing, write_file
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
-from navfmu.report.provenance import section
+from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
 
 Note = Callable[[int, int], None]  # sections drawn, sections to draw
@@ -44,7 +44,7 @@ def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Pa
 
 def provenance(outcome: Outcome) -> dict[str, Any]:
     """What is needed to repeat the campaign. Nothing in it depends on how it was run."""
-    from navfmu.provenance import versions
+    from navfmu.system.provenance import versions
 
     campaign = outcome.campaign
     return {

@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.files import write_file
-from navfmu.units import Unit
-from navfmu.unpack import (
+from navfmu.files.markup import parse
+from navfmu.files.unpack import (
     cache_directory,
     check_entries,
     check_unchanged,
@@ -27,7 +26,8 @@ from navfmu.unpack import (
     read_entry,
     unpack,
 )
-from navfmu.xml import parse
+from navfmu.files.writing import write_file
+from navfmu.fmi.units import Unit
 
 FORMAT = 2  # of the cached descriptions; raise it when their content changes
 _memory: dict[tuple[str, int, int], Fmu] = {}

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmu import Description, Variable
-from navfmu.units import COMMON, conversion
+from navfmu.fmi.fmu import Description, Variable
+from navfmu.fmi.units import COMMON, conversion
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
 _TRUE, _FALSE = {"true", "1", "yes", "on"}, {"false", "0", "no", "off"}

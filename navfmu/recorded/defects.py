@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.track.recording import KNOT, Recording
+from navfmu.recorded.track import KNOT, Recording
 
 MOVING = 20.0 * KNOT
 POSITION_STEP = 1.5e-6 * np.pi / 180.0  # about the last printed digit of a position, rad

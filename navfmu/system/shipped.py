@@ -6,7 +6,7 @@ from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
 
-_PACKAGE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folders() -> list[Path]:

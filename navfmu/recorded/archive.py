@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.files import write_file
-from navfmu.track.importer import Imported
-from navfmu.xml import parse
-from navfmu.zip import zipped
+from navfmu.files.markup import parse
+from navfmu.files.writing import write_file
+from navfmu.files.zipped import zipped
+from navfmu.recorded.importer import Imported
 
 TABLE = "resources/track.csv"
 COLUMNS = 10

@@ -14,7 +14,7 @@ from navfmu import __version__
 from navfmu.errors import NavfmuError
 
 LAZY = {  # command -> module and attribute, and its line in the list of commands
-    "track": ("navfmu.track.cli", "command", "Make an FMU from a recorded track."),
+    "track": ("navfmu.cli.track", "command", "Make an FMU from a recorded track."),
 }
 
 
@@ -84,7 +84,7 @@ def _system_options(command: Callable) -> Callable:
 @click.option("--variant", metavar="V", help="A sibling of the main system.")
 def info(file: str, variant: str | None) -> None:
     """Show what an FMU or a system consists of."""
-    from navfmu.info import show
+    from navfmu.cli.info import show
 
     show(file, variant)
 
@@ -113,12 +113,12 @@ def run(
     out: str | None,
 ) -> None:
     """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
-    from navfmu import results
-    from navfmu.progress import Progress
-    from navfmu.system import System
+    from navfmu.system import result
+    from navfmu.system.system import System
+    from navfmu.terminal.progress import Progress
 
     if out is not None:
-        results.check_target(out)
+        result.check_target(out)
     loaded = System.load(system, variant)
     _warn(loaded.structure.notes)
     with Progress(loaded.name) as progress:
@@ -136,8 +136,8 @@ def run(
         )
     _warn(frame.attrs["notes"])
     if out is not None:
-        results.write(frame, out)
-    from navfmu.info import summarise
+        result.write(frame, out)
+    from navfmu.cli.info import summarise
 
     summarise(frame, out)
 
@@ -164,11 +164,11 @@ def sweep(
     out: str | None,
 ) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
-    from navfmu.progress import Progress
-    from navfmu.report.sweep import write_report
-    from navfmu.results import check_folder
-    from navfmu.sweep import show, sweep
-    from navfmu.system import System
+    from navfmu.sweep.report import write_report
+    from navfmu.sweep.sweep import show, sweep
+    from navfmu.system.result import check_folder
+    from navfmu.system.system import System
+    from navfmu.terminal.progress import Progress
 
     if out is not None:
         check_folder(out)
@@ -201,8 +201,8 @@ def campaign(file: str, jobs: int | None, out: str | None, seeds: str | None, st
     """Run the campaign of FILE.toml: variants x faults x seeds against requirements. Finished runs are kept."""
     from navfmu.campaign import load_campaign, run_campaign
     from navfmu.campaign.show import show
-    from navfmu.progress import Progress
-    from navfmu.results import check_folder
+    from navfmu.system.result import check_folder
+    from navfmu.terminal.progress import Progress
 
     plan = load_campaign(file, seeds)
     folder = check_folder(out if out is not None else f"results/{plan.name}")

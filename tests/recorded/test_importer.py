@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.track.importer import import_track
-from tests.track.made import KNOT, flight, hole, recorded
+from navfmu.recorded.importer import import_track
+from tests.recorded.made import KNOT, flight, hole, recorded
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import pytest
 
 from navfmu import System
 from navfmu.errors import NavfmuError
-from navfmu.sweep import Row, Sweep, _size, sweep
+from navfmu.sweep.sweep import Row, Sweep, _size, sweep
 from tests.components import systems
 
 

@@ -15,13 +15,13 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from navfmu import shipped
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmu import Fmu, Variable, load
-from navfmu.parameters import checked, expand
+from navfmu.fmi.fmu import Fmu, Variable, load
+from navfmu.fmi.units import Unit, conversion
+from navfmu.fmi.values import checked, expand
 from navfmu.ssp import reader
 from navfmu.ssp.structure import Component, Connection, Setting, Structure
-from navfmu.units import Unit, conversion
+from navfmu.system import shipped
 
 if TYPE_CHECKING:
     import pandas
@@ -221,7 +221,7 @@ class System:
         engine: str,
     ) -> dict[str, Any]:
         """What is needed to repeat a run."""
-        from navfmu.provenance import command, versions
+        from navfmu.system.provenance import command, versions
 
         return {
             "system": str(self.structure.origin),

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from navfmu.files import write_file
+from navfmu.files.writing import write_file
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
-from navfmu.report.provenance import section
+from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
-from navfmu.sweep import ALGORITHMS, Sweep
+from navfmu.sweep.sweep import ALGORITHMS, Sweep
 
 SHOWN = 6  # signals in the picture
 

@@ -14,13 +14,13 @@ from itertools import islice
 from pathlib import Path
 from threading import Lock
 
-from navfmu import results
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.outcome import Outcome, evaluate
-from navfmu.campaign.single import Run, command_of, plan_of, runs_of
+from navfmu.campaign.runs import Run, command_of, plan_of, runs_of
 from navfmu.engine.recording import RunError
 from navfmu.errors import NavfmuError
-from navfmu.files import write_file
+from navfmu.files.writing import write_file
+from navfmu.system import result
 
 Report = Callable[[int, int, str], None]  # steps made, all steps, a note
 
@@ -29,7 +29,7 @@ def run_campaign(
     campaign: Campaign, folder: str | Path, jobs: int | None = None, progress: Report | None = None
 ) -> Outcome:
     """Run what is missing, then judge everything and write the report into ``folder``."""
-    from navfmu.report.campaign import write_report
+    from navfmu.campaign.report import write_report
 
     folder = Path(folder)
     runs = runs_of(campaign)
@@ -85,7 +85,7 @@ def _one(campaign: Campaign, run: Run, folder: Path, board: _Board) -> None:
         write_file(run.failure(folder), json.dumps(about, indent=2) + "\n")
     else:
         frame.attrs["provenance"]["command"] = command_of(campaign, run)
-        results.write(frame, run.file(folder))
+        result.write(frame, run.file(folder))
     board.finished(run.key)
 
 

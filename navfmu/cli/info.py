@@ -8,23 +8,18 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from navfmu import shipped
 from navfmu.errors import NavfmuError
-from navfmu.fmu import Description, Variable, binaries, describe, platforms
+from navfmu.fmi.fmu import Description, Variable, binaries, describe, platforms
 from navfmu.ssp import reader
+from navfmu.system import shipped
+from navfmu.terminal.console import console
 
 if TYPE_CHECKING:
     import pandas
 
-    from navfmu.system import System
+    from navfmu.system.system import System
 
 SUMMARY = 40  # columns of a recording that are listed
-
-
-def console() -> Console:
-    """Standard output; wide when it is not a terminal, so that nothing is cut off in a file."""
-    out = Console(highlight=False)
-    return out if out.is_terminal else Console(highlight=False, width=160)
 
 
 def show(file: str, variant: str | None = None) -> None:
@@ -35,7 +30,7 @@ def show(file: str, variant: str | None = None) -> None:
             raise NavfmuError(f"{path}: a single FMU has no variants")
         _show_fmu(path)
     else:
-        from navfmu.system import System
+        from navfmu.system.system import System
 
         _show_system(System.load(path, variant), path)
 

@@ -14,7 +14,7 @@ from navfmu.campaign.definition import Campaign, Case
 from navfmu.campaign.requirement import MAIN
 from navfmu.engine.library import source_hash
 from navfmu.engine.plan import Plan
-from navfmu.system import describe_fault
+from navfmu.system.system import describe_fault
 
 FORMAT = 1  # of the kept runs; raise it when their content changes
 REPORT_SIGNALS = (  # recorded where the system has them, for the pictures of the report

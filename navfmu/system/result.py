@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from navfmu.errors import NavfmuError
-from navfmu.files import replacing, write_file
+from navfmu.files.writing import replacing, write_file
 
 if TYPE_CHECKING:
     import pandas

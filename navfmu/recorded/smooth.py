@@ -20,8 +20,8 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
 
-from navfmu.track.defects import local_metric, wrap
-from navfmu.track.recording import FOOT, KNOT, Recording
+from navfmu.recorded.defects import local_metric, wrap
+from navfmu.recorded.track import FOOT, KNOT, Recording
 
 DEGREE = 5
 FREEDOM = 4.0  # of the Student t distribution of the residuals

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from navfmu.files import replacing
-from navfmu.track.importer import Imported
-from navfmu.track.recording import FOOT, KNOT
+from navfmu.files.writing import replacing
+from navfmu.recorded.importer import Imported
+from navfmu.recorded.track import FOOT, KNOT
 
 
 def draw(imported: Imported, path: str | Path) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from navfmu.engine.clock import Clock
-from navfmu.faults.effect import ADD, HOLD, NOISE, RAMP, SET
+from navfmu.engine.effect import ADD, HOLD, NOISE, RAMP, SET
 
 
 def normal(seed: int, stream: int, lane: int, j: int) -> float:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
 
     from navfmu.faults import Fault
-    from navfmu.system import System
+    from navfmu.system.system import System
 
 ALGORITHMS = ("gauss_seidel", "jacobi")
 ROUNDING = 1e-12  # errors below this share of a signal's range are none
@@ -305,7 +305,7 @@ def show(result: Sweep, report: Path | None) -> None:
     """Print the table, the lost samples and the recommendation."""
     from rich.table import Table
 
-    from navfmu.info import console
+    from navfmu.terminal.console import console
 
     out = console()
     table = Table(

@@ -20,12 +20,12 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     from t = 0. What was found in the recording, and what the smoothing changed, is printed.
     """
     from navfmu.errors import NavfmuError
-    from navfmu.progress import Progress
-    from navfmu.results import check_file
-    from navfmu.shipped import path as shipped
-    from navfmu.track.archive import write_fmu
-    from navfmu.track.importer import import_track
-    from navfmu.track.recording import KNOT
+    from navfmu.recorded.archive import write_fmu
+    from navfmu.recorded.importer import import_track
+    from navfmu.recorded.track import KNOT
+    from navfmu.system.result import check_file
+    from navfmu.system.shipped import path as shipped
+    from navfmu.terminal.progress import Progress
 
     if not 0 < minimum_speed < float("inf"):
         raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kt; expected a positive number")
@@ -37,7 +37,7 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
         imported = import_track(file, minimum_speed * KNOT, skip_incomplete, progress=progress)
     write_fmu(imported, player, out, name)
     if picture:
-        from navfmu.track.picture import draw
+        from navfmu.recorded.picture import draw
 
         draw(imported, picture)
     _print(imported, out, picture)

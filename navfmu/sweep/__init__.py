@@ -1,0 +1,1 @@
+"""How big may the communication step be?"""
