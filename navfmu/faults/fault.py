@@ -40,6 +40,7 @@ TYPES: dict[str, FaultType] = {
     )
 }
 
+PARAMETERS = tuple(dict.fromkeys(name for kind in TYPES.values() for name in kind.required + kind.optional))
 COMMON = ("id", "fmea", "target", "type", "start", "duration", "description")
 
 
@@ -78,7 +79,7 @@ class Fault:
         for name in self.parameters:
             if name not in allowed:
                 takes = ", ".join(allowed) or "no parameters"
-                hint = nearest(name, (*allowed, *COMMON))
+                hint = "" if name in PARAMETERS else nearest(name, (*allowed, *COMMON))
                 raise self.error(f"type '{self.type}' has no parameter '{name}'{hint} (it takes {takes})", name)
         for name in kind.required:
             if name not in self.parameters:
