@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export.declaration import Component
+from navfmu.export.component import Component
 
 
 def components(folder: str | Path) -> dict[str, type[Component]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import importlib.metadata
 import sys
@@ -11,7 +10,8 @@ from functools import cache
 from pathlib import Path
 
 from navfmu import __version__
-from navfmu.export.declaration import Component
+from navfmu.export.component import Component
+from navfmu.export.imports import imports
 
 #: Files beside a model's modules that it may read, such as coefficients.
 _DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
@@ -85,16 +85,7 @@ def _file(name: str) -> Path | None:
 
 @cache
 def _imports(name: str, file: Path) -> list[str]:
-    found: list[str] = []
-    package = name if hasattr(sys.modules[name], "__path__") else name.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".") if node.level else []
-            base = ".".join([*parts[: len(parts) + 1 - node.level], *([node.module] if node.module else [])])
-            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
-    return found
+    return imports(name, file.read_text(encoding="utf-8"))
 
 
 def _version(package: str) -> str:

@@ -15,8 +15,12 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export.declaration import Component, Field, Frame, Table, TaskDeclaration
+from navfmu.export.component import Component
+from navfmu.export.frame import Frame
+from navfmu.export.layout import Field
 from navfmu.export.noise import Normals
+from navfmu.export.table import Table
+from navfmu.export.task import TaskDeclaration
 
 INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED = "instantiated", "initialization", "stepping", "terminated"
 _PHASES = {

@@ -1,6 +1,6 @@
 """The lowered model: what the tracer hands to the code generator.
 
-A component declaration (``declaration.py``) is traced (``trace.py``) into a :class:`Model`: a flat list of variables
+A component declaration (``component.py``) is traced (``trace.py``) into a :class:`Model`: a flat list of variables
 and a list of tasks, each a CasADi function over the same four vectors. Everything that follows (C code,
 modelDescription.xml, documentation, the archive) is made from this object alone.
 

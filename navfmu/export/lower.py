@@ -13,8 +13,13 @@ import casadi as ca
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir, rules, trace
-from navfmu.export.declaration import Component, Field, Frame, Layout, Table, TaskDeclaration
+from navfmu.export import ir, trace
+from navfmu.export.component import Component
+from navfmu.export.frame import Frame
+from navfmu.export.layout import Field, Layout
+from navfmu.export.place import is_foreign
+from navfmu.export.table import Table
+from navfmu.export.task import TaskDeclaration
 
 
 class TraceFrame(Frame):
@@ -50,9 +55,6 @@ class TraceFrame(Frame):
     def rows(self, table: Table) -> tuple[Any, Any]:
         return self.tables[table.name]
 
-    def where(self) -> str:
-        return rules.location()
-
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
         column, normals = trace.symbols(f"noise{len(self.noise_symbols)}", int(count))
@@ -86,7 +88,7 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
         raise
     except Exception as error:
         lines = traceback.extract_tb(sys.exc_info()[2])
-        line = next((f for f in reversed(lines) if not rules.is_foreign(f.filename)), None)
+        line = next((f for f in reversed(lines) if not is_foreign(f.filename)), None)
         where = f"{line.filename}, line {line.lineno}" if line else place
         raise NavfmuError(
             f"{where}: component {layout.component.__name__}, {what}: {type(error).__name__}: {error}; "

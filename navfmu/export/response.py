@@ -14,8 +14,8 @@ import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import codegen, ir
-from navfmu.export.declaration import Example
 from navfmu.export.description import display
+from navfmu.export.example import Example
 
 #: Height of the step of an input, by its unit.
 _STEPS = {"m": 100.0, "m/s": 10.0, "m/s2": 1.0, "rad": 0.1, "rad/s": 0.02, "T": 1e-5, "Pa": 1000.0, "K": 5.0}

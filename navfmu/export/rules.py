@@ -8,8 +8,6 @@ the zeros of constant matrices would be carried into the code.)
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable
 from typing import Any, NoReturn
 
@@ -17,28 +15,14 @@ import casadi as ca
 import numpy as np
 
 from navfmu.errors import NavfmuError
+from navfmu.export.place import place
 
-_HERE = os.path.dirname(os.path.abspath(__file__))
-_SKIPPED = (_HERE, os.path.dirname(os.path.abspath(np.__file__)), "<__array_function__")
 _LARGEST = float(np.finfo(float).max)
-
-
-def is_foreign(filename: str) -> bool:
-    """Whether a frame of this file belongs to the exporter or to NumPy, and not to the model."""
-    return filename.startswith(_SKIPPED)
-
-
-def location() -> str:
-    """Return ``"file, line n"`` of the model's code that is running."""
-    frame = sys._getframe(1)
-    while frame is not None and is_foreign(frame.f_code.co_filename):
-        frame = frame.f_back
-    return f"{frame.f_code.co_filename}, line {frame.f_lineno}" if frame else "unknown place"
 
 
 def refuse(what: str, remedy: str) -> NoReturn:
     """Raise the error for a construct that has no traced form."""
-    raise NavfmuError(f"{location()}: {what}; {remedy}")
+    raise NavfmuError(f"{place()}: {what}; {remedy}")
 
 
 class Scalar:

@@ -9,17 +9,16 @@ that PythonFMU would write.
 
 from __future__ import annotations
 
-import ast
 import importlib.metadata
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, description, ir
-from navfmu.export.declaration import Component
+from navfmu.export import archive, description, interpreter, ir
+from navfmu.export.component import Component
 from navfmu.export.icon import icon
-
-_CARRIED = ("errors", "export", "export.ir", "export.declaration", "export.noise", "export.interpreter")
+from navfmu.export.imports import imports
 
 _HEAD = '''"""Python twin of the component {name}: the model, its interpreter and its random numbers in one file.
 
@@ -158,40 +157,24 @@ def _source(name: str) -> str | None:
     return Path(file).read_text(encoding="utf-8")
 
 
-def _imports(name: str, text: str) -> set[str]:
-    """Return the names of the modules that a module's source imports."""
-    package = name if hasattr(sys.modules.get(name), "__path__") else name.rpartition(".")[0]
-    found = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".") if node.level else []
-            base = ".".join([*parts[: len(parts) - max(node.level - 1, 0)], *([node.module] if node.module else [])])
-            found.add(base)
-            found |= {f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in sys.modules}
-    return found
-
-
 def sources(component: type[Component]) -> dict[str, str]:
     """Return the sources that a twin carries: module name to text."""
-    carried = {"navfmu": ""}
-    for name in _CARRIED:
-        module = f"navfmu.{name}"
-        __import__(module)
-        carried[module] = _source(module) or ""
-    waiting = [component.__module__]
+    carried = {"navfmu": ""}  # the front door leads to the whole package, which is not carried
+    _collect(carried, [interpreter.__name__], lambda name: name.startswith("navfmu"))
+    _collect(carried, [component.__module__], lambda name: not name.startswith("navfmu.export"))
+    return dict(sorted(carried.items()))
+
+
+def _collect(carried: dict[str, str], waiting: list[str], wanted: Callable[[str], bool]) -> None:
+    """Add the sources of the modules that are waiting and of all that they import."""
     while waiting:
         name = waiting.pop()
-        if name in carried or name.startswith("navfmu.export"):
-            continue
-        text = _source(name)
+        text = _source(name) if name not in carried and wanted(name) else None
         if text is None:
             continue
         carried[name] = text
-        waiting += sorted(_imports(name, text))
+        waiting += sorted(imports(name, text))
         waiting += [name.rpartition(".")[0]] if "." in name else []
-    return dict(sorted(carried.items()))
 
 
 def _literal(text: str) -> str:

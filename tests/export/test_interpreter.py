@@ -307,8 +307,9 @@ def test_an_integer_takes_whole_numbers_only():
         def step(self):
             self.n = self.n + 0.5
 
-    with pytest.raises(NavfmuError, match=r"'n' is an Integer and is assigned 0\.5"):
+    with pytest.raises(NavfmuError, match=r"'n' is an Integer and is assigned 0\.5") as told:
         running(Counter).do_step(0.0, 1.0)
+    assert str(told.value).startswith(f"{__file__}, line "), "the model's line, not the interpreter's"
 
 
 def test_a_component_with_rates_and_new_data_does_both_in_order():

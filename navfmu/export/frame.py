@@ -1,0 +1,59 @@
+"""The frame of a running task: what ``self`` reads from and writes to."""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
+import numpy as np
+
+from navfmu.errors import NavfmuError
+from navfmu.export.layout import Field, Layout
+from navfmu.export.place import place
+from navfmu.export.table import Table
+
+
+class Frame:
+    """What ``self`` reads from and writes to while one task runs; the modes (floats, symbols) are subclasses."""
+
+    def __init__(self, layout: Layout, time: Any, period: Any) -> None:
+        self.layout, self.time, self.period = layout, time, period
+        self.current: dict[str, Any] = {}
+        self.assigned: set[str] = set()
+        self.task = ""
+
+    def load(self, field: Field) -> Any:
+        """Return the stored value of a variable as a read-only array."""
+        raise NotImplementedError
+
+    def convert(self, field: Field, value: Any) -> Any:
+        """Return an assigned value, of the right shape, as a read-only array of the variable's kind."""
+        raise NotImplementedError
+
+    def rows(self, table: Table) -> tuple[Any, Any]:
+        """Return the two rows of a table around the time of the task."""
+        raise NotImplementedError
+
+    def fail(self, what: str) -> NoReturn:
+        """Raise the error for what the task tried to do."""
+        raise NavfmuError(f"{place()}: component {self.layout.component.__name__}: {what}")
+
+    def read(self, name: str) -> Any:
+        """Return the value a variable has now in this task."""
+        if name not in self.current:
+            self.current[name] = self.load(self.layout.fields[name])
+        return self.current[name]
+
+    def check_shape(self, name: str, value: Any) -> None:
+        """Refuse a value of the wrong shape."""
+        expected = self.layout.fields[name].shape
+        if np.shape(value) != expected:
+            self.fail(f"'{name}' is assigned shape {np.shape(value)}, expected {expected}")
+
+    def write(self, name: str, value: Any) -> None:
+        """Assign an output or a state."""
+        field = self.layout.fields[name]
+        if field.causality not in ("output", "local"):
+            self.fail(f"'{name}' is of causality {field.causality} and cannot be assigned")
+        self.check_shape(name, value)
+        self.current[name] = self.convert(field, value)
+        self.assigned.add(name)

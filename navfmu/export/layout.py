@@ -1,0 +1,184 @@
+"""The layout of a component: where its variables lie in the vector of all variables, and what else it declares."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import string
+import zlib
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import numpy as np
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.export import ir
+from navfmu.export.bundle import Bundle
+from navfmu.export.requirement import Requirement
+from navfmu.export.table import Table
+from navfmu.export.task import TaskDeclaration
+from navfmu.export.variable import TYPES, Input, Output, Parameter, Variable
+
+RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout"}
+
+
+@dataclass(frozen=True)
+class Field:
+    """Where a declared variable lies in the vector of all variables."""
+
+    name: str  # "reading.rate"
+    index: int
+    shape: tuple[int, ...]
+    size: int
+    kind: str
+    causality: str
+
+
+def element_name(name: str, shape: tuple[int, ...], i: int) -> str:
+    """Return the FMI name of element ``i`` (C order) of a variable: ``x``, ``x[1]``, ``x[1,2]``."""
+    if not shape:
+        return name
+    return f"{name}[{','.join(str(k + 1) for k in np.unravel_index(i, shape))}]"
+
+
+class Layout:
+    """Everything a component class declares, in order."""
+
+    def __init__(self, component: type, place: str) -> None:
+        self.place, self.component = place, component
+        self.fields: dict[str, Field] = {}
+        self.variables: list[ir.Variable] = []
+        self.tasks: list[TaskDeclaration] = []
+        self.requirements: list[Requirement] = []
+        self.tables: list[Table] = []
+        self.bundles: dict[str, Bundle] = {}
+        members: dict[str, Any] = {}
+        for base in reversed(component.__mro__):
+            members.update({k: v for k, v in vars(base).items() if not k.startswith("__")})
+        for name, member in members.items():
+            self._member(name, member)
+        self.name = vars(component).get("name") or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", component.__name__).lower()
+        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", self.name):
+            self.fail(f"name {self.name!r} must be a C identifier")
+        text = inspect.cleandoc(component.__doc__ or "")
+        self.description, _, self.text = (part.strip() for part in text.partition("\n"))
+        self.uses_noise = any(t.uses_noise for t in self.tasks)
+        if self.uses_noise:
+            stream = zlib.crc32(self.name.encode()) & 0x7FFFFFFF
+            number = {"kind": "integer", "min": 0}
+            self._add("seed", Parameter(**number, start=1, description="seed of the random numbers"))
+            self._add("stream", Parameter(**number, start=stream, description="which stream of random numbers"))
+        self._check_tasks(component)
+
+    def fail(self, what: str, place: str | None = None) -> NoReturn:
+        """Raise the error for this component."""
+        raise NavfmuError(f"{place or self.place}: component {self.component.__name__}: {what}")
+
+    def _member(self, name: str, member: Any) -> None:
+        if isinstance(member, Variable | Bundle | Table) and name in RESERVED:
+            self.fail(f"the name '{name}' is taken in every component", member.place)
+        if isinstance(member, Variable):
+            self._add(name, member)
+        elif isinstance(member, Bundle):
+            self._add_bundle(name, member)
+        elif isinstance(member, Table):
+            self.tables.append(member)
+        elif hasattr(member, "_navfmu_task"):
+            kind, argument, place = member._navfmu_task
+            parameters = list(inspect.signature(member).parameters)
+            if parameters[1:] not in ([], ["noise"]):
+                self.fail(f"task '{name}' takes self and, if it needs random numbers, noise", place)
+            stream = len(self.tasks)
+            self.tasks.append(TaskDeclaration(name, kind, member, argument, len(parameters) == 2, stream, place))
+        elif hasattr(member, "_navfmu_requirement"):
+            message, place = member._navfmu_requirement
+            shown = [field[1:] for field in string.Formatter().parse(message) if field[1] is not None]
+            if any(not name or form or conversion for name, form, conversion in shown):
+                self.fail("a sentence shows a parameter as {name}, with a name and without a format", place)
+            names = tuple(name for name, _, _ in shown)
+            self.requirements.append(Requirement(message, member, names, place))
+
+    def _add(self, name: str, declared: Variable, bundle: str | None = None) -> None:
+        field = Field(
+            name, len(self.variables), declared.shape, math.prod(declared.shape), declared.kind, declared.causality
+        )
+        self.fields[name] = field
+        causality = declared.causality
+        if causality == "parameter":
+            variability = "tunable" if declared.tunable else "fixed"
+        else:
+            smooth = declared.kind == "real" and bundle is None and causality != "local"
+            variability = "continuous" if smooth else "discrete"
+        for i in range(field.size):
+            self.variables.append(
+                ir.Variable(
+                    index=field.index + i,
+                    name=element_name(name, declared.shape, i),
+                    type=TYPES[declared.kind],
+                    causality=causality,
+                    variability=variability,
+                    initial=None if causality == "input" else "exact",
+                    start=float(declared.start[i]),
+                    unit=declared.unit if declared.kind == "real" else None,
+                    display_unit=declared.display_unit,
+                    min=declared.bound("min", i),
+                    max=declared.bound("max", i),
+                    nominal=declared.nominal,
+                    description=declared.description,
+                    bundle=bundle,
+                    fault=declared.fault,
+                )
+            )
+
+    def _add_bundle(self, name: str, bundle: Bundle) -> None:
+        self.bundles[name] = bundle
+        for key, member in bundle.members.items():
+            self._add(f"{name}.{key}", member, name)
+        make = Input if bundle.causality == "input" else Output
+        what = bundle.description or name
+        self._add(f"{name}.valid", make(kind="boolean", description=f"{what}: the values can be used"), name)
+        sequence = make(kind="integer", min=0, description=f"{what}: number of the sample, changes with new data")
+        self._add(f"{name}.sequence", sequence, name)
+        self._add(f"{name}.time_of_validity", make("s", description=f"{what}: time the values hold for"), name)
+
+    def _check_tasks(self, component: type) -> None:
+        tick = getattr(component, "tick", None)
+        clocks = [t.argument for t in self.tasks if t.kind == "every"]
+        for task in self.tasks:
+            if task.kind == "on_new":
+                bundle = self.bundles.get(task.argument)
+                if bundle is None or bundle.causality != "input":
+                    known = [b for b, d in self.bundles.items() if d.causality == "input"]
+                    self.fail(
+                        f"task '{task.name}': '{task.argument}' is no input Bundle{nearest(task.argument, known)}",
+                        task.place,
+                    )
+                if not tick and not clocks:
+                    self.fail(
+                        'a component with on_new and no every needs a clock: tick = "<name of a Parameter in s>"',
+                        task.place,
+                    )
+                lost = Output(kind="integer", min=0, description=f"samples of {task.argument} that were never seen")
+                if f"{task.argument}.lost" in self.fields:
+                    self.fail(f"two tasks wait for bundle '{task.argument}'", task.place)
+                self._add(f"{task.argument}.lost", lost, task.argument)
+        for period in [*clocks, *([tick] if tick else [])]:
+            field = self.fields.get(period)
+            if field is None or (field.causality, field.kind, field.shape) != ("parameter", "real", ()):
+                known = [n for n, f in self.fields.items() if f.causality == "parameter"]
+                self.fail(f"the period '{period}' is no scalar Parameter in s{nearest(str(period), known)}")
+            if self.variables[field.index].variability != "fixed":
+                self.fail(f"the period '{period}' must not be tunable")
+        for requirement in self.requirements:
+            for name in requirement.names:
+                if self.index(name) is None:
+                    known = [v.name for v in self.variables]
+                    self.fail(f"the sentence names '{name}', unknown{nearest(name, known)}", requirement.place)
+        self.tick: str | None = tick or (clocks[0] if clocks else None)
+
+    def index(self, name: str) -> int | None:
+        """Return the value reference of an FMI name (an array's name gives its first element), None if unknown."""
+        if name in self.fields:
+            return self.fields[name].index
+        return next((v.index for v in self.variables if v.name == name), None)

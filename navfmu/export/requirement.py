@@ -1,0 +1,27 @@
+"""Requirements: what must be true of a component's parameters when initialisation ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A sentence, and the method over parameters that must be true."""
+
+    message: str
+    function: Callable
+    names: tuple[str, ...]
+    place: str
+
+
+def require(message: str) -> Callable:
+    """Mark a method over parameters that must be true when initialisation ends; ``{name}`` shows a parameter."""
+
+    def mark(function: Callable) -> Callable:
+        code = function.__code__
+        function._navfmu_requirement = (message, f"{code.co_filename}, line {code.co_firstlineno}")
+        return function
+
+    return mark
