@@ -27,8 +27,9 @@ SIGNALS = (
 def run(out: Path, page: Page) -> None:
     """Sweep, with GPS lost at minute 5; the full table is in ``out``/step_sizes."""
     system = System.load("backup_navigator", "scanning")
+    experiment = system.experiment(stop=900.0, seed=1, faults="gps_lost", record=SIGNALS)
     with Progress("step sizes") as progress:
-        result = sweep(system, STEPS, signals=SIGNALS, stop=900.0, seed=1, faults="gps_lost", progress=progress)
+        result = sweep(experiment, STEPS, progress=progress)
     write_report(result, out / "step_sizes")
     page.heading("Communication step size")
     page.text(result.recommendation())

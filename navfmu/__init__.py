@@ -2,19 +2,24 @@
 
 from typing import TYPE_CHECKING, Any
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, NavfmuWarning
 
 if TYPE_CHECKING:
+    from navfmu.system.experiment import Experiment
     from navfmu.system.system import System
 
-__all__ = ["NavfmuError", "System", "__version__"]
+__all__ = ["Experiment", "NavfmuError", "NavfmuWarning", "System", "__version__"]
 __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:
-    """Import ``System`` on first use, so that ``import navfmu`` stays cheap."""
+    """Import what is heavy on first use, so that ``import navfmu`` stays cheap."""
     if name == "System":
         from navfmu.system.system import System
 
         return System
+    if name == "Experiment":
+        from navfmu.system.experiment import Experiment
+
+        return Experiment
     raise AttributeError(f"module 'navfmu' has no attribute '{name}'")

@@ -16,6 +16,10 @@ class NavfmuError(Exception):
     exit_code = 2
 
 
+class NavfmuWarning(UserWarning):
+    """A note about a run that the user should see: a cut cycle, a warning of an FMU, something without effect."""
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the known name nearest to ``name``, or an empty string."""
     match = difflib.get_close_matches(str(name), list(known), n=1, cutoff=0.5)

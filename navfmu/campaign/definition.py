@@ -18,7 +18,6 @@ class Case:
     name: str
     description: str = ""
     faults: tuple[Fault, ...] = ()
-    files: tuple[str, ...] = ()  # where the faults are from, as the command line takes them
     parameters: dict[str, Any] = field(default_factory=dict)
 
 

@@ -1,4 +1,4 @@
-"""Runs a campaign in threads: the compiled loop leaves the interpreter free, so each core gets its run.
+"""Runs a campaign: what is missing is flown, everything is judged, the report is written.
 
 Each run is kept in a file named by the hash of everything that determines it. A campaign that was interrupted, or
 whose requirements changed, runs only what is missing; the files of 1 and of many jobs are the same, to the byte.
@@ -6,44 +6,65 @@ whose requirements changed, runs only what is missing; the files of 1 and of man
 
 from __future__ import annotations
 
-import json
-import os
-from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from itertools import islice
+import contextlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from threading import Lock
 
 from navfmu.campaign.definition import Campaign
+from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
-from navfmu.campaign.runs import Run, command_of, plan_of, runs_of
-from navfmu.engine.recording import RunError
-from navfmu.errors import NavfmuError
-from navfmu.files.writing import write_file
-from navfmu.system import result
+from navfmu.campaign.runs import Run, runs_of
+from navfmu.errors import NavfmuError, nearest
+from navfmu.system.pool import Board, Report, in_threads
 
-Report = Callable[[int, int, str], None]  # steps made, all steps, a note
+WORKERS = ("process", "thread")
 
 
 def run_campaign(
-    campaign: Campaign, folder: str | Path, jobs: int | None = None, progress: Report | None = None
+    campaign: Campaign,
+    folder: str | Path,
+    jobs: int | None = None,
+    progress: Report | None = None,
+    *,
+    workers: str = WORKERS[0],
+    timeout: float | None = None,
+    retry_failed: bool = False,
 ) -> Outcome:
-    """Run what is missing, then judge everything and write the report into ``folder``."""
+    """Run what is missing, then judge everything and write the report into ``folder``.
+
+    ``jobs`` runs at a time; in worker ``processes``, so that an FMU that crashes, exits or hangs ends its own run only,
+    or in ``threads``. A run that takes longer than ``timeout`` (s, processes only) has failed. Runs that failed stay
+    so, unless ``retry_failed``.
+    """
     from navfmu.campaign.report import write_report
 
+    if workers not in WORKERS:
+        raise NavfmuError(f"unknown workers '{workers}'{nearest(workers, WORKERS)} (there are {' and '.join(WORKERS)})")
+    if timeout is not None and not timeout > 0:
+        raise NavfmuError(f"the timeout is {timeout:g} s, expected a positive number")
+    if timeout is not None and workers == "thread":
+        raise NavfmuError("a timeout needs worker processes: a thread that hangs cannot be ended")
     folder = Path(folder)
     runs = runs_of(campaign)
-    missing = [run for run in runs if not run.done(folder)]
-    board = _Board(campaign, len(missing), progress)
-    try:
-        _execute(campaign, missing, folder, jobs or os.cpu_count() or 1, board)
-    except KeyboardInterrupt:
-        kept = sum(run.done(folder) for run in runs)
-        raise Interrupted(
-            f"interrupted: {kept} of {len(runs)} runs are finished and kept in {folder}; the same command continues"
-        ) from None
-    outcome = evaluate(campaign, runs, folder)
-    write_report(outcome, folder, None if progress is None else lambda n, of: progress(n, of, "drawing the report"))
+    with _alone(folder):
+        _tidy(folder)
+        if retry_failed:
+            _forget_failures(runs, folder)
+        why = {run.key: run.missing(folder) for run in runs}
+        missing = [run for run in runs if why[run.key] is not None]
+        mended = tuple(reason for reason in why.values() if reason)
+        board = Board(sum(_steps(run) for run in missing), progress, len(missing))
+        try:
+            with _hands(workers, timeout) as hand:
+                for _ in in_threads(missing, lambda run: hand(run, folder, board), jobs, board):
+                    pass
+        except KeyboardInterrupt:
+            kept = sum(run.missing(folder) is None for run in runs)
+            raise Interrupted(
+                f"interrupted: {kept} of {len(runs)} runs are finished and kept in {folder}; the same command continues"
+            ) from None
+        outcome = evaluate(campaign, runs, folder, mended)
+        write_report(outcome, folder, None if progress is None else lambda n, of: progress(n, of, "drawing the report"))
     return outcome
 
 
@@ -53,69 +74,44 @@ class Interrupted(NavfmuError):
     exit_code = 130  # as shells have it for Ctrl-C
 
 
-def _execute(campaign: Campaign, missing: list[Run], folder: Path, jobs: int, board: _Board) -> None:
-    """Run in threads, a few more submitted than there are threads, so that memory does not grow with the runs."""
-    waiting = iter(missing)
-    with ThreadPoolExecutor(jobs) as pool:
-        active: set[Future] = set()
-        try:
-            while True:
-                for run in islice(waiting, 2 * jobs - len(active)):
-                    active.add(pool.submit(_one, campaign, run, folder, board))
-                if not active:
-                    return
-                finished, active = wait(active, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    future.result()
-        except BaseException:
-            board.stopped = True
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+def _steps(run: Run) -> int:
+    return round(run.experiment.stop / run.experiment.step)
 
 
-def _one(campaign: Campaign, run: Run, folder: Path, board: _Board) -> None:
-    """One run; an FMU's refusal is kept as its result."""
-    system = campaign.systems[run.variant]
-    parameters = campaign.parameters | run.case.parameters
+@contextlib.contextmanager
+def _hands(workers: str, timeout: float | None) -> Iterator[Callable[[Run, Path, Board], None]]:
+    """Who flies a run."""
+    yield lambda run, folder, board: fly(run, folder, board.of(run.key, _steps(run)))
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """One campaign at a time writes into a folder."""
+    from filelock import FileLock, Timeout
+
     try:
-        plan = plan_of(campaign, run.variant, run.case, run.seed)
-        frame = system.execute(plan, run.seed, parameters, run.case.faults, progress=board.of(run.key))
-    except RunError as error:
-        about = {"variant": run.variant, "case": run.case.name, "seed": run.seed, "error": str(error)}
-        write_file(run.failure(folder), json.dumps(about, indent=2) + "\n")
-    else:
-        frame.attrs["provenance"]["command"] = command_of(campaign, run)
-        result.write(frame, run.file(folder))
-    board.finished(run.key)
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / ".lock", timeout=0)
+        lock.acquire()
+    except Timeout:
+        raise NavfmuError(f"{folder}: another campaign is writing into it; wait, or name another folder") from None
+    except OSError as error:
+        raise NavfmuError(f"{folder}: cannot be written: {error.strerror or error}") from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
-class _Board:
-    """Progress of all runs together."""
+def _tidy(folder: Path) -> None:
+    """Remove what a killed campaign left half-written: files under temporary names."""
+    for place in (folder, folder / "runs"):
+        for file in place.glob(".*.*"):
+            if file.is_file() and file.name != ".lock":
+                file.unlink(missing_ok=True)
 
-    def __init__(self, campaign: Campaign, runs: int, progress: Report | None) -> None:
-        self.steps = round(campaign.stop / campaign.step)
-        self.runs, self.progress, self.lock = runs, progress, Lock()
-        self.active: dict[str, int] = {}
-        self.done = 0
-        self.stopped = False
 
-    def of(self, key: str) -> Callable[[int, int], None]:
-        def report(steps: int, _: int) -> None:
-            if self.stopped:
-                raise KeyboardInterrupt
-            with self.lock:
-                self.active[key] = steps
-                self._show()
-
-        return report
-
-    def finished(self, key: str) -> None:
-        with self.lock:
-            self.active.pop(key, None)
-            self.done += 1
-            self._show()
-
-    def _show(self) -> None:
-        if self.progress is not None:
-            made = self.done * self.steps + sum(self.active.values())
-            self.progress(made, self.runs * self.steps, f"{self.done} of {self.runs} runs")
+def _forget_failures(runs: list[Run], folder: Path) -> None:
+    for run in runs:
+        for file in (run.failure(folder), run.partial(folder)):
+            file.unlink(missing_ok=True)

@@ -29,7 +29,7 @@ from typing import Any
 
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.campaign.requirement import MAIN, Requirement
-from navfmu.campaign.runs import plan_of
+from navfmu.campaign.runs import experiment_of
 from navfmu.engine.clock import Clock
 from navfmu.engine.plan import ALGORITHMS
 from navfmu.errors import NavfmuError, nearest
@@ -253,9 +253,9 @@ class _File:
                 raise self.error("this case has no 'name'", "name", "case", index)
             if name in (case.name for case in cases):
                 raise self.error(f"there are two cases named '{name}'", "name", "case", index)
-            faults, files = self.faults(system, entry.get("faults", []), index)
+            faults = self.faults(system, entry.get("faults", []), index)
             parameters = self.parameters(entry.get("parameters", {}), "parameters", "case", index)
-            cases.append(Case(name, entry.get("description", ""), faults, files, parameters))
+            cases.append(Case(name, entry.get("description", ""), faults, parameters))
         return tuple(cases)
 
     def tables(self, key: str) -> list[dict[str, Any]]:
@@ -264,10 +264,9 @@ class _File:
             raise self.error(f"'{key}' is written as tables: [[{key}]]", key)
         return entries
 
-    def faults(self, system: System, given: str | list[Any], index: int) -> tuple[tuple[Fault, ...], tuple[str, ...]]:
-        """The faults of a case, and where they are from."""
-        faults: list[Fault] = []
-        files: list[str] = []
+    def faults(self, system: System, given: str | list[Any], index: int) -> tuple[Fault, ...]:
+        """The faults of a case; each knows the file that it is from."""
+        files: list[str | Path] = []
         for name in self.names("faults", [given] if isinstance(given, str) else given, "case", index):
             beside = self.beside(name)
             try:
@@ -276,10 +275,10 @@ class _File:
                 raise self.error(str(error), "faults", "case", index) from None
             if not path.is_file():
                 raise self.error(f"there is no fault file '{name}'", "faults", "case", index)
-            faults += load_faults(path)
-            files.append(str(beside) if beside.is_file() else name)
+            load_faults(path)  # a mistake in it has its own place
+            files.append(beside if beside.is_file() else name)
         try:
-            return tuple(system.faults(faults)), tuple(files)
+            return system.faults(files)
         except NavfmuError as error:
             raise self.error(str(error), "faults", "case", index) from None
 
@@ -379,7 +378,7 @@ class _File:
         for variant in campaign.systems:
             for index, case in enumerate(campaign.cases):
                 try:
-                    plan = plan_of(campaign, variant, case, campaign.seeds[0])
+                    plan = experiment_of(campaign, variant, case).plan()
                 except NavfmuError as error:
                     line = self.culprit(str(error), campaign, case, index)
                     where = f"variant '{variant}', case '{case.name}'"

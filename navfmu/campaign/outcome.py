@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,6 +58,7 @@ class Outcome:
     folder: Path
     runs: list[Judged]
     cells: list[Cell]
+    mended: tuple[str, ...] = ()  # files of earlier runs that were damaged, and so flown again
 
     @property
     def passed(self) -> bool:
@@ -92,7 +92,7 @@ class Outcome:
         return rows
 
 
-def evaluate(campaign: Campaign, runs: list[Run], folder: Path) -> Outcome:
+def evaluate(campaign: Campaign, runs: list[Run], folder: Path, mended: tuple[str, ...] = ()) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
     judged = [_judge_run(campaign, run, folder) for run in runs]
     cells = []
@@ -102,7 +102,7 @@ def evaluate(campaign: Campaign, runs: list[Run], folder: Path) -> Outcome:
             for requirement in campaign.requirements:
                 if requirement.applies(variant, case.name):
                     cells.append(_cell(requirement, variant, case, group, folder))
-    return Outcome(campaign, folder, judged, cells)
+    return Outcome(campaign, folder, judged, cells, mended)
 
 
 def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
@@ -116,8 +116,9 @@ def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
 
 
 def _judge_run(campaign: Campaign, run: Run, folder: Path) -> Judged:
-    if run.failure(folder).is_file():
-        return Judged(run, {}, json.loads(run.failure(folder).read_text(encoding="utf-8"))["error"])
+    failed = run.failed(folder)
+    if failed is not None:
+        return Judged(run, {}, failed["error"])
     asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
     series = read_series(run.file(folder), [r.signal for r in asked])
     findings = {r.id: judge(r, series["time"], series[r.signal]) for r in asked}

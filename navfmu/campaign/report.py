@@ -14,7 +14,6 @@ from navfmu.campaign.definition import Case
 from navfmu.campaign.navigation import statistics
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
-from navfmu.campaign.runs import command_of
 from navfmu.errors import NavfmuError
 from navfmu.files.writing import replacing, write_file
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -258,7 +257,7 @@ def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> N
         )
     image = ground_track(outcome, shown, variant, label)
     if image is not None:
-        result.picture(image, f"{label}: ground track", f"Worst run: {command_of(outcome.campaign, shown.run)}")
+        result.picture(image, f"{label}: ground track", f"Worst run: {shown.run.experiment.command()}")
 
 
 def _signals(outcome: Outcome) -> list[str]:
@@ -286,7 +285,7 @@ def _runs_section(result: Page, outcome: Outcome) -> None:
     rows = []
     for judged in outcome.runs:
         verdicts = ", ".join(f"{name} {'holds' if f.held else 'violated'}" for name, f in judged.findings.items())
-        command = command_of(outcome.campaign, judged.run)
+        command = judged.run.experiment.command()
         rows.append([judged.run.variant, judged.run.case.name, str(judged.run.seed), judged.error or verdicts, command])
     inner.table(["variant", "case", "seed", "findings", "command that repeats it"], rows)
     result.heading("All runs")

@@ -1,22 +1,20 @@
-"""The single runs of a campaign: which there are, the plan of each, its file, and the command that repeats it."""
+"""The single runs of a campaign: which there are, the experiment of each, and the files it leaves behind."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
-import shlex
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from navfmu.campaign.definition import Campaign, Case
-from navfmu.campaign.requirement import MAIN
-from navfmu.engine.library import source_hash
-from navfmu.engine.plan import Plan
-from navfmu.system.system import describe_fault
+from navfmu.errors import NavfmuError
+from navfmu.files.writing import write_file
+from navfmu.system.experiment import Experiment
+from navfmu.system.result import check
 
-FORMAT = 1  # of the kept runs; raise it when their content changes
 REPORT_SIGNALS = (  # recorded where the system has them, for the pictures of the report
     "aircraft.latitude",
     "aircraft.longitude",
@@ -38,8 +36,13 @@ class Run:
 
     variant: str
     case: Case
-    seed: int
+    experiment: Experiment
     key: str
+
+    @property
+    def seed(self) -> int:
+        """The seed of the run."""
+        return self.experiment.seed
 
     def file(self, folder: Path) -> Path:
         """Its recording."""
@@ -49,78 +52,74 @@ class Run:
         """Why it has none."""
         return folder / "runs" / f"{self.key}.error.json"
 
-    def done(self, folder: Path) -> bool:
-        """Whether it need not be run again."""
-        return self.file(folder).is_file() or self.failure(folder).is_file()
+    def partial(self, folder: Path) -> Path:
+        """What was recorded before it failed."""
+        return folder / "runs" / f"{self.key}.partial.parquet"
+
+    def failed(self, folder: Path) -> dict[str, Any] | None:
+        """Why it failed, or None; a damaged file is no answer."""
+        try:
+            about = json.loads(self.failure(folder).read_bytes())
+        except (OSError, ValueError):
+            return None
+        fits = isinstance(about, dict) and about.get("key") == self.key and isinstance(about.get("error"), str)
+        return about if fits else None
+
+    def fail(self, folder: Path, about: Mapping[str, Any]) -> None:
+        """Keep the reason: ``error``, and where it is known ``component``, ``call`` and ``time`` (s)."""
+        head = {"key": self.key, "variant": self.variant, "case": self.case.name, "seed": self.seed}
+        write_file(self.failure(folder), json.dumps(head | dict(about), indent=2) + "\n")
+
+    def missing(self, folder: Path) -> str | None:
+        """Why it has to be run: "" when there is nothing, or what is wrong with what there is; None if it is done."""
+        if self.failed(folder) is not None:
+            return None
+        if self.file(folder).is_file():
+            try:
+                check(self.file(folder), self.key)
+            except NavfmuError as error:
+                return str(error)
+            return None
+        return f"{self.failure(folder)}: is damaged" if self.failure(folder).is_file() else ""
 
 
 def runs_of(campaign: Campaign) -> list[Run]:
     """All runs, in the order of the file."""
-    return [
-        Run(variant, case, seed, key)
-        for variant in campaign.systems
-        for case in campaign.cases
-        for seed, key in _keys(campaign, variant, case)
-    ]
+    runs = []
+    for variant in campaign.systems:
+        for case in campaign.cases:
+            common = experiment_of(campaign, variant, case)
+            for seed in campaign.seeds:
+                experiment = replace(common, seed=seed)
+                runs.append(Run(variant, case, experiment, experiment.key))
+    return runs
 
 
-def record_of(campaign: Campaign, variant: str) -> list[str]:
-    """The signals that are recorded in the runs of a variant."""
+def experiment_of(campaign: Campaign, variant: str, case: Case) -> Experiment:
+    """The experiment of a variant in a case, with the first seed."""
+    return Experiment(
+        campaign.systems[variant],
+        stop=campaign.stop,
+        step=campaign.step,
+        algorithm=campaign.algorithm,
+        seed=campaign.seeds[0],
+        faults=case.faults,
+        record=record_of(campaign, variant, case.name),
+        record_period=_record_period(campaign),
+        parameters=campaign.parameters | case.parameters,
+    )
+
+
+def record_of(campaign: Campaign, variant: str, case: str) -> list[str]:
+    """The signals that are recorded in the runs of a variant in a case."""
     system = campaign.systems[variant]
-    wanted = [requirement.signal for requirement in campaign.requirements]
+    wanted = [r.signal for r in campaign.requirements if r.applies(variant, case)]
     wanted += system.signals(campaign.record) if campaign.record else []
     for name in REPORT_SIGNALS:
         component, _, variable = name.partition(".")
         if component in system.fmus and variable in system.fmus[component].description.by_name:
             wanted.append(name)
     return list(dict.fromkeys(wanted)) or system.signals()
-
-
-def plan_of(campaign: Campaign, variant: str, case: Case, seed: int) -> Plan:
-    """The plan of one run."""
-    return campaign.systems[variant].plan(
-        stop=campaign.stop,
-        step=campaign.step,
-        algorithm=campaign.algorithm,
-        seed=seed,
-        faults=case.faults,
-        record=record_of(campaign, variant),
-        record_period=_record_period(campaign),
-        parameters=campaign.parameters | case.parameters,
-    )
-
-
-def command_of(campaign: Campaign, run: Run) -> str:
-    """The command that repeats one run."""
-    words = ["navfmu", "run", str(campaign.system)]
-    if run.variant != MAIN:
-        words += ["--variant", run.variant]
-    for name, value in (campaign.parameters | run.case.parameters).items():
-        words += ["--set", f"{name}={value}"]
-    for file in run.case.files:
-        words += ["--faults", file]
-    stop, step = (f"{float(value)!r}".removesuffix(".0") for value in (campaign.stop, campaign.step))
-    words += ["--stop", stop, "--step", step, "--algorithm", campaign.algorithm]
-    return shlex.join([*words, "--seed", str(run.seed)])
-
-
-def _keys(campaign: Campaign, variant: str, case: Case) -> list[tuple[int, str]]:
-    common: dict[str, Any] = {
-        "format": FORMAT,
-        "engine": source_hash(),
-        "system": campaign.systems[variant].digest,
-        "stop": float(campaign.stop),
-        "step": float(campaign.step),
-        "algorithm": campaign.algorithm,
-        "parameters": {name: str(value) for name, value in (campaign.parameters | case.parameters).items()},
-        "faults": [describe_fault(fault) for fault in case.faults],
-        "record": record_of(campaign, variant),
-        "record_period": _record_period(campaign),
-    }
-    return [
-        (seed, hashlib.sha256(json.dumps(common | {"seed": seed}, sort_keys=True).encode()).hexdigest()[:32])
-        for seed in campaign.seeds
-    ]
 
 
 def _record_period(campaign: Campaign) -> float | None:

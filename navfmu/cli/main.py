@@ -6,12 +6,15 @@ import importlib
 import re
 import sys
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from navfmu import __version__
 from navfmu.errors import NavfmuError
+
+if TYPE_CHECKING:
+    from navfmu.system.system import System
 
 LAZY = {  # command -> module and attribute, and its line in the list of commands
     "track": ("navfmu.cli.track", "command", "Make an FMU from a recorded track."),
@@ -71,6 +74,8 @@ def _system_options(command: Callable) -> Callable:
                      help="Change a parameter; a unit may follow the value: 'imu.gyro_drift_sigma=1 deg/h'."),
         click.option("--faults", multiple=True, metavar="FILE",
                      help="Fault file (TOML), or the name of one inside the system; may be repeated."),
+        click.option("--fault", "entries", multiple=True, metavar="ENTRIES",
+                     help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
         click.option("--stop", type=float, metavar="S", help="End of the run, s."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
     ]  # fmt: skip
@@ -89,6 +94,19 @@ def info(file: str, variant: str | None) -> None:
     show(file, variant)
 
 
+def _loaded(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
+    """The system, and the arguments of an experiment, from the options that ``run`` and ``sweep`` share."""
+    from navfmu.faults import parse_fault
+    from navfmu.system.system import System
+
+    loaded = System.load(system, given.pop("variant"))
+    inline = [parse_fault(text, "--fault") for text in given.pop("entries")]
+    given["faults"] = [*given["faults"], *inline]
+    given["parameters"] = _assignments(given.pop("assignments"))
+    given["record"] = _names(given.pop("signals")) or None
+    return loaded, given
+
+
 @main.command()
 @_system_options
 @click.option("--step", type=float, metavar="S", help="Communication step size, s.")
@@ -98,42 +116,16 @@ def info(file: str, variant: str | None) -> None:
               help="Signal, array, bundle or pattern to record; may be repeated or a list with commas.")  # fmt: skip
 @click.option("--record-period", type=float, metavar="S", help="Time between recorded values, s.")
 @click.option("--out", metavar="FILE", help="Write the recording to FILE.parquet or FILE.csv.")
-def run(
-    system: str,
-    variant: str | None,
-    assignments: tuple[str, ...],
-    faults: tuple[str, ...],
-    stop: float | None,
-    seed: int | None,
-    step: float | None,
-    algorithm: str,
-    engine: str,
-    signals: tuple[str, ...],
-    record_period: float | None,
-    out: str | None,
-) -> None:
+def run(system: str, out: str | None, **given: Any) -> None:
     """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
     from navfmu.system import result
-    from navfmu.system.system import System
     from navfmu.terminal.progress import Progress
 
     if out is not None:
         result.check_target(out)
-    loaded = System.load(system, variant)
-    _warn(loaded.structure.notes)
+    loaded, given = _loaded(system, given)
     with Progress(loaded.name) as progress:
-        frame = loaded.run(
-            stop=stop,
-            step=step,
-            algorithm=algorithm,
-            seed=seed,
-            faults=faults,
-            record=_names(signals) or None,
-            record_period=record_period,
-            parameters=_assignments(assignments),
-            engine=engine,
-            progress=progress,
-        )
+        frame = loaded.experiment(**given).run(progress)
     _warn(frame.attrs["notes"])
     if out is not None:
         result.write(frame, out)
@@ -145,48 +137,26 @@ def run(
 @main.command()
 @_system_options
 @click.option("--steps", required=True, metavar="A,B,C", help="Communication step sizes to compare, s.")
-@click.option("--signals", multiple=True, metavar="SIGNAL", help="Signals to compare; default: the navigation outputs.")
+@click.option("--signals", multiple=True, metavar="SIGNAL", help="Signals to compare; default: those of a run.")
 @click.option("--tolerance", default=1.0, show_default=True, metavar="PERCENT",
               help="Error that the recommended step may cause, in percent of a signal's range.")  # fmt: skip
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at the same time; default: one per core.")
 @click.option("--out", metavar="DIR", help="Write table, picture and report into this folder.")
-def sweep(
-    system: str,
-    variant: str | None,
-    assignments: tuple[str, ...],
-    faults: tuple[str, ...],
-    stop: float | None,
-    seed: int | None,
-    steps: str,
-    signals: tuple[str, ...],
-    tolerance: float,
-    jobs: int | None,
-    out: str | None,
-) -> None:
+def sweep(system: str, steps: str, tolerance: float, jobs: int | None, out: str | None, **given: Any) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
     from navfmu.sweep.report import write_report
     from navfmu.sweep.sweep import show, sweep
     from navfmu.system.result import check_folder
-    from navfmu.system.system import System
     from navfmu.terminal.progress import Progress
 
     if out is not None:
         check_folder(out)
-    loaded = System.load(system, variant)
-    _warn(loaded.structure.notes)
+    numbers = _numbers(steps, "--steps")
+    loaded, given = _loaded(system, given)
+    experiment = loaded.experiment(step=min(numbers), **given)
     with Progress(f"{loaded.name}, step sizes") as progress:
-        result = sweep(
-            loaded,
-            _numbers(steps, "--steps"),
-            signals=_names(signals) or None,
-            stop=stop,
-            seed=seed,
-            faults=faults,
-            parameters=_assignments(assignments),
-            tolerance=tolerance / 100.0,
-            jobs=jobs,
-            progress=progress,
-        )
+        result = sweep(experiment, numbers, tolerance / 100.0, jobs, progress)
+    _warn(result.notes)
     report = None if out is None else write_report(result, out)
     show(result, report)
 

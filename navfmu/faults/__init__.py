@@ -1,6 +1,6 @@
 """Failures as data: a file of faults beside the system, and what each fault does to a value on its way."""
 
 from navfmu.faults.fault import TYPES, Fault, FaultType
-from navfmu.faults.file import load_faults
+from navfmu.faults.file import load_faults, parse_fault
 
-__all__ = ["TYPES", "Fault", "FaultType", "load_faults"]
+__all__ = ["TYPES", "Fault", "FaultType", "load_faults", "parse_fault"]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
@@ -61,6 +63,7 @@ class Fault:
     fmea: str = ""
     description: str = ""
     where: str = ""  # "faults.toml, line 12", for messages
+    file: str = ""  # as the command line takes it, where the fault is from one
 
     def __post_init__(self) -> None:
         if not self.id or not isinstance(self.id, str):
@@ -92,6 +95,27 @@ class Fault:
         if isinstance(stream, bool) or not isinstance(stream, int) or not 0 <= stream < 2**31:
             raise self.error(f"'stream' must be a whole number from 0 to 2147483647, not {stream!r}", "stream")
 
+    def describe(self) -> dict[str, Any]:
+        """The fault as plain data; what is not limited (its duration) or empty is left out."""
+        entries: dict[str, Any] = {"id": self.id, "target": self.target, "type": self.type, "start": self.start}
+        if self.duration != math.inf:
+            entries["duration"] = self.duration
+        for name in ("fmea", "description", "file"):
+            if getattr(self, name):
+                entries[name] = getattr(self, name)
+        values = {key: value.tolist() if hasattr(value, "tolist") else value for key, value in self.parameters.items()}
+        return entries | values
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any]) -> Fault:
+        """The fault of a description."""
+        own = {name: description[name] for name in (*COMMON, "file") if name in description}
+        return cls(**own, parameters={name: value for name, value in description.items() if name not in own})
+
+    def inline(self) -> str:
+        """The fault as the option ``--fault`` takes it: the inside of a TOML table."""
+        return ", ".join(f"{key} = {_toml(value)}" for key, value in self.describe().items())
+
     def error(self, sentence: str, key: str = "") -> FaultError:
         """The sentence with the fault's id and place in its file."""
         return FaultError(self.id if isinstance(self.id, str) else "", self.where, sentence, key)
@@ -104,6 +128,14 @@ class FaultError(NavfmuError):
         name = f"fault '{fault}'" if fault else "a fault"
         super().__init__(f"{where}: {name}: {sentence}" if where else f"{name}: {sentence}")
         self.fault, self.sentence, self.key = fault, sentence, key
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
 def is_number(value: object) -> bool:

@@ -15,6 +15,12 @@ def load_faults(path: str | Path) -> list[Fault]:
     return faults_of(Document.read(path, "fault file"))
 
 
+def parse_fault(text: str, name: str = "fault") -> Fault:
+    """The one fault of a text such as ``id = "F1", target = "gps.jammed", type = "input", start = 300``."""
+    (fault,) = parse_faults(f"fault = [{{ {text} }}]", f"{name} '{text}'")
+    return dataclasses.replace(fault, where=name)
+
+
 def parse_faults(text: str, name: str = "faults") -> list[Fault]:
     """The faults of a text; ``name`` is the file's name in messages."""
     return faults_of(Document(text, name))

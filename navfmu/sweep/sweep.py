@@ -9,23 +9,22 @@ measurement one sample late, however small the step is. That difference is repor
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from navfmu.engine.clock import exact
 from navfmu.errors import NavfmuError
+from navfmu.system.experiment import Experiment, number
+from navfmu.system.pool import Board, in_threads
 
 if TYPE_CHECKING:
     import pandas
 
-    from navfmu.faults import Fault
-    from navfmu.system.system import System
+    from navfmu.system.assembly import Assembly
 
 ALGORITHMS = ("gauss_seidel", "jacobi")
 ROUNDING = 1e-12  # errors below this share of a signal's range are none
@@ -68,6 +67,7 @@ class Sweep:
     lost: dict[str, dict[tuple[str, float], int]]  # counter -> (algorithm, step) -> samples lost
     tolerance: float
     provenance: dict[str, Any] = field(repr=False)
+    notes: tuple[str, ...] = ()  # of the runs, for the user
 
     def slope(self, algorithm: str, signal: str) -> float | None:
         """Order p of the error, which at the step h is C (h^p - h_0^p) with the smallest step h_0.
@@ -139,40 +139,31 @@ class Sweep:
 
 
 def sweep(
-    system: System,
+    experiment: Experiment,
     steps: Sequence[float],
-    signals: Sequence[str] | None = None,
-    stop: float | None = None,
-    seed: int | None = None,
-    faults: str | Path | Sequence[str | Path | Fault] | None = None,
-    parameters: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
     jobs: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Sweep:
-    """Run the system at each of the ``steps`` (s) with both algorithms and compare ``signals``.
+    """Do the experiment at each of the ``steps`` (s) with both algorithms and compare its recorded Real signals.
 
-    Without ``signals`` the Real ones of the default recording are compared. The seed is the same for all runs: 1 if
-    none is given.
+    The seed is the same for all runs: 1 if the experiment has none. Its own step, algorithm and recording period do
+    not matter.
     """
     ordered = _checked_steps(steps)
     if not 0.0 < tolerance < math.inf:
         raise NavfmuError(f"the tolerance is {100 * tolerance:g} %, expected a positive number")
-    stop = stop if stop is not None else system.structure.stop_time
-    if stop is None:
-        raise NavfmuError(f"{system.structure.origin}: suggests no stop time; give one")
-    period = _shared_period(ordered, stop)
-    seed = 1 if seed is None else seed
-    chosen_faults = system.faults(faults)
+    period = _shared_period(ordered, experiment.stop)
+    system = experiment.system
     counters = lost_counters(system)
-    plans = {}
-    for algorithm in ALGORITHMS:
-        for step in ordered:
-            chosen = system.signals(signals)
-            wanted = [*chosen, *_validities(system, chosen), *counters]
-            plans[algorithm, step] = system.plan(stop, step, algorithm, seed, chosen_faults, wanted, period, parameters)
-    total = sum(plan.clock.steps for plan in plans.values())
-    frames = _run_all(system, plans, jobs, _Sum(progress, total))
+    wanted = [*experiment.record, *_validities(system, experiment.record), *counters]
+    common = {"record": wanted, "record_period": period, "seed": 1 if experiment.seed is None else experiment.seed}
+    runs = {
+        (algorithm, step): replace(experiment, algorithm=algorithm, step=step, **common)
+        for algorithm in ALGORITHMS
+        for step in ordered
+    }
+    frames = _run_all(runs, jobs, progress)
     reference = frames[ALGORITHMS[0], ordered[0]]
     units = reference.attrs["units"]
     compared = [n for n in reference.columns if reference[n].dtype.kind == "f" and not n.endswith(".time_of_validity")]
@@ -193,13 +184,28 @@ def sweep(
     ]
     apart = {name: _size(frames[ALGORITHMS[1], ordered[0]], reference, name)[0] for name in compared}
     lost = {name: {key: int(frame[name].iloc[-1]) for key, frame in frames.items()} for name in counters}
-    provenance = dict(reference.attrs["provenance"]) | {"steps": list(ordered), "period": period}
-    for key in ("step", "algorithm"):
-        provenance.pop(key)
-    return Sweep(system.name, tuple(ordered), float(stop), period, tuple(rows), apart, lost, tolerance, provenance)
+    notes = tuple(dict.fromkeys(note for frame in frames.values() for note in frame.attrs["notes"]))
+    about = _provenance(experiment, ordered, period, tolerance, common["seed"])
+    return Sweep(
+        system.name, tuple(ordered), experiment.stop, period, tuple(rows), apart, lost, tolerance, about, notes
+    )
 
 
-def lost_counters(system: System) -> list[str]:
+def _provenance(
+    experiment: Experiment, steps: Sequence[float], period: float, tolerance: float, seed: int
+) -> dict[str, Any]:
+    """What is needed to repeat the sweep."""
+    about = replace(experiment, seed=seed).provenance()
+    for key in ("step", "algorithm", "record_period"):
+        about.pop(key)
+    words = replace(experiment, seed=seed).words("sweep")
+    words += ["--steps", ",".join(map(number, steps)), "--tolerance", f"{100 * tolerance:.12g}"]
+    if experiment.record != tuple(experiment.system.signals()):
+        words += [word for name in experiment.record for word in ("--signals", name)]
+    return about | {"steps": list(steps), "period": period, "tolerance": tolerance, "command": shlex.join(words)}
+
+
+def lost_counters(system: Assembly) -> list[str]:
     """Outputs that count lost samples: ``component.bundle.lost``."""
     return [
         f"{name}.{variable.name}"
@@ -209,37 +215,15 @@ def lost_counters(system: System) -> list[str]:
     ]
 
 
-class _Sum:
-    """One progress out of several runs at the same time."""
-
-    def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
-        self._progress, self._total, self._lock = progress, total, Lock()
-        self._done: dict[object, int] = {}
-        self.stopped = False
-
-    def of(self, key: object) -> Callable[[int, int], None]:
-        def report(done: int, _: int) -> None:
-            if self.stopped:
-                raise KeyboardInterrupt
-            with self._lock:
-                self._done[key] = done
-                if self._progress is not None:
-                    self._progress(sum(self._done.values()), self._total)
-
-        return report
-
-
-def _run_all(system: System, plans: dict, jobs: int | None, total: _Sum) -> dict[tuple[str, float], pandas.DataFrame]:
+def _run_all(
+    runs: dict[tuple[str, float], Experiment], jobs: int | None, progress: Callable[[int, int], None] | None
+) -> dict[tuple[str, float], pandas.DataFrame]:
     """All runs in threads, the longest first; the compiled loop leaves the interpreter free."""
-    order = sorted(plans, key=lambda key: -plans[key].clock.steps)
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        futures = {key: pool.submit(system.execute, plans[key], seed=None, progress=total.of(key)) for key in order}
-        try:
-            return {key: futures[key].result() for key in plans}
-        except BaseException:
-            total.stopped = True
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    steps = {key: round(run.stop / run.step) for key, run in runs.items()}
+    board = Board(sum(steps.values()), None if progress is None else lambda done, all_, _: progress(done, all_))
+    order = sorted(runs, key=lambda key: -steps[key])
+    frames = dict(in_threads(order, lambda key: runs[key].run(board.of(key, steps[key])), jobs, board))
+    return {key: frames[key] for key in runs}
 
 
 def _checked_steps(steps: Sequence[float]) -> list[float]:
@@ -265,7 +249,7 @@ def _shared_period(steps: Sequence[float], stop: float) -> float:
     return float(common * thin)
 
 
-def _validities(system: System, signals: Sequence[str]) -> list[str]:
+def _validities(system: Assembly, signals: Sequence[str]) -> list[str]:
     """The ``valid`` of every bundle that a signal belongs to."""
     known = {f"{name}.{variable.name}" for name, fmu in system.fmus.items() for variable in fmu.description.variables}
     return sorted({_validity(signal) for signal in signals} & known)

@@ -1,17 +1,19 @@
-"""What a result file says about where it comes from: versions, machine, command, time."""
+"""What numbers depend on beside the experiment: versions, machine, and the package's own sources."""
 
 from __future__ import annotations
 
+import hashlib
 import platform
-import shlex
-import sys
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
 from navfmu import __version__
+from navfmu.engine.library import source_hash
 
 PACKAGES = ("numpy", "pandas", "fmpy")
+ROOMS = ("errors", "files", "fmi", "ssp", "faults", "engine", "system")  # of the package: what makes a recording
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 @cache
@@ -30,9 +32,20 @@ def versions() -> dict[str, str]:
     return dict(_versions())
 
 
-def command() -> str:
-    """The command line of this process, as one would type it."""
-    program = Path(sys.argv[0]).name if sys.argv and sys.argv[0] else "python"
-    if program in ("__main__.py", "cli.py"):
-        program = "python -m navfmu"
-    return " ".join([program, *(shlex.quote(argument) for argument in sys.argv[1:])])
+@cache
+def package_hash() -> str:
+    """A hash of the sources that make a recording, in Python and in C: a mended engine makes its runs anew."""
+    digest = hashlib.sha256(source_hash().encode())
+    for file in sorted(file for file in _PACKAGE.rglob("*.py") if _room(file) in ROOMS):
+        content = file.read_bytes().replace(b"\r\n", b"\n")
+        digest.update(f"{file.relative_to(_PACKAGE).as_posix()} {len(content)} ".encode() + content)
+    return digest.hexdigest()[:32]
+
+
+def _room(file: Path) -> str:
+    return file.relative_to(_PACKAGE).parts[0].removesuffix(".py")
+
+
+def environment() -> dict[str, str]:
+    """Everything beside the experiment that could change a recording."""
+    return versions() | {"package": package_hash()}

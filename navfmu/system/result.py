@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from pathlib import Path
@@ -12,6 +13,9 @@ from navfmu.files.writing import replacing, write_file
 
 if TYPE_CHECKING:
     import pandas
+    import pyarrow
+
+    from navfmu.engine.recording import Recording
 
 SUFFIXES = (".parquet", ".csv")
 
@@ -43,6 +47,19 @@ def check_folder(folder: str | Path) -> Path:
     return folder
 
 
+def as_frame(recording: Recording) -> pandas.DataFrame:
+    """A recording with time (s) as index and units in ``attrs``; Booleans and Integers in their own types."""
+    import numpy as np
+    import pandas
+
+    columns = {}
+    for name, kind, values in zip(recording.names, recording.types, recording.values.T, strict=True):
+        columns[name] = values != 0.0 if kind == "Boolean" else values.astype(np.int64) if kind == "Integer" else values
+    frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
+    frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
+    return frame
+
+
 def write(frame: pandas.DataFrame, path: str | Path) -> Path:
     """Write a recording; a CSV file gets its units and provenance in a file ``NAME.csv.json`` beside it."""
     path = check_target(path)
@@ -68,33 +85,62 @@ def read(path: str | Path) -> pandas.DataFrame:
             side = path.with_name(path.name + ".json")
             about = json.loads(side.read_text(encoding="utf-8")) if side.is_file() else {}
         else:
-            from pyarrow import parquet
-
-            table = parquet.read_table(path)
-            about = json.loads((table.schema.metadata or {}).get(b"navfmu", b"{}"))
+            table, about = _read_parquet(path)
             frame = table.replace_schema_metadata().to_pandas()
             frame = frame.set_index("time") if "time" in frame.columns else frame
     except FileNotFoundError:
         raise NavfmuError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, KeyError) as error:
         raise NavfmuError(f"{path}: cannot be read: {error}") from None
+    about.pop("content", None)
     frame.attrs = {"units": about.pop("units", {}), "notes": about.pop("notes", []), "provenance": about}
     return frame
+
+
+def check(path: str | Path, key: str | None = None) -> None:
+    """Refuse a recording (Parquet) that is not what was written, or, with ``key``, not the run of that key."""
+    path = Path(path)
+    try:
+        table, about = _read_parquet(path)
+        found = about.get("content") == _content(table, about)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise NavfmuError(f"{path}: is damaged: {str(error).splitlines()[0] if str(error) else error!r}") from None
+    if not found:
+        raise NavfmuError(f"{path}: is damaged: its numbers are not those that were written")
+    if key is not None and about.get("key") != key:
+        raise NavfmuError(f"{path}: is the recording of another run ({about.get('key') or 'without a key'})")
+
+
+def _read_parquet(path: Path) -> tuple[pyarrow.Table, dict[str, Any]]:
+    from pyarrow import parquet
+
+    table = parquet.read_table(path)
+    return table, json.loads((table.schema.metadata or {}).get(b"navfmu", b"{}"))
+
+
+def _content(table: pyarrow.Table, about: dict[str, Any]) -> str:
+    """A hash of everything in a recording: names, units, types, numbers, and what is said about them."""
+    digest = hashlib.sha256(json.dumps(about | {"content": ""}, sort_keys=True).encode())
+    for field, column in zip(table.schema, table.columns, strict=True):
+        digest.update(f"{field.name} {field.type} {field.metadata} {len(column)} ".encode())
+        digest.update(column.to_numpy().tobytes())
+    return digest.hexdigest()
 
 
 def _write_parquet(frame: pandas.DataFrame, path: Path, about: dict[str, Any]) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    units = about["units"]
     names = ["time", *frame.columns]
     columns = [frame.index.to_numpy(), *(frame[name].to_numpy() for name in frame.columns)]
     arrays = [pyarrow.array(column) for column in columns]
-    units = {"time": "s"} | units
+    units = {"time": "s"} | about["units"]
     fields = [
         pyarrow.field(name, array.type, metadata={"unit": units[name]} if units.get(name) else None)
         for name, array in zip(names, arrays, strict=True)
     ]
-    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields, metadata={"navfmu": json.dumps(about)}))
+    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
+    about = json.loads(json.dumps(about, default=str))  # as it will be read back
+    about["content"] = _content(table, about)
     with replacing(path) as temporary:
-        parquet.write_table(table, temporary, compression="zstd")
+        parquet.write_table(table.replace_schema_metadata({"navfmu": json.dumps(about)}), temporary, compression="zstd")

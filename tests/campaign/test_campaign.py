@@ -60,7 +60,13 @@ def copy(folder: Path, to: Path) -> Path:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("[!.]*")) if p.is_file()}
+
+
+def nothing_more(runs, *_):
+    """Takes the place of the executor where nothing is left to do."""
+    assert not runs, "ran again"
+    return []
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -101,7 +107,9 @@ def test_findings_are_those_of_the_runs(done):
 
 def test_a_second_time_runs_nothing(done, monkeypatch):
     file, folder = done
-    monkeypatch.setattr(System, "execute", lambda *a, **k: pytest.fail("ran again"))
+    monkeypatch.setattr(
+        "navfmu.campaign.executor.in_threads", lambda runs, *rest: pytest.fail("ran again") if runs else []
+    )
     before = contents(folder)
     run_campaign(load_campaign(file), folder)
     assert contents(folder) == before
@@ -109,7 +117,9 @@ def test_a_second_time_runs_nothing(done, monkeypatch):
 
 def test_other_requirements_judge_the_same_recordings_anew(done, monkeypatch, tmp_path):
     file, folder = done[0], copy(done[1], tmp_path)
-    monkeypatch.setattr(System, "execute", lambda *a, **k: pytest.fail("ran again"))
+    monkeypatch.setattr(
+        "navfmu.campaign.executor.in_threads", lambda runs, *rest: pytest.fail("ran again") if runs else []
+    )
     text = file.read_text().replace("at_most = 9.5", "at_most = 0.5").replace("percent = 90", "percent = 100")
     outcome = run_campaign(load_campaign(write(tmp_path, text)), folder)
     assert not outcome.passed
@@ -153,17 +163,18 @@ def test_a_run_that_fails_is_a_row_and_not_the_end(tmp_path):
     text += '\n[[case]]\nname = "broken"\nparameters = { "lag.tau" = 0.02, "lag.sample_period" = 0.02 }\n'
     campaign = load_campaign(write(tmp_path, text))
     from navfmu.engine.recording import RunError
+    from navfmu.system.experiment import Experiment
 
-    execute = System.execute
+    fly = Experiment.run
 
-    def failing(self, plan, seed, parameters, *rest, **more):
-        if parameters and seed == 2:
+    def failing(self, *rest, **more):
+        if self.parameters and self.seed == 2:
             raise RunError("component 'lag': it broke (fmi2DoStep returned Error at t = 3 s)")
-        return execute(self, plan, seed, parameters, *rest, **more)
+        return fly(self, *rest, **more)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(System, "execute", failing)
-        outcome = run_campaign(campaign, tmp_path / "out", 2)
+        patch.setattr(Experiment, "run", failing)
+        outcome = run_campaign(campaign, tmp_path / "out", 2, workers="thread")
     errors = [judged for judged in outcome.runs if judged.error]
     assert [(j.run.variant, j.run.case.name, j.run.seed) for j in errors] == [
         ("main", "broken", 2),
@@ -299,7 +310,7 @@ def test_paths_beside_the_file_have_no_detours(tmp_path):
     (tmp_path / "faults" / "f.toml").write_text(fault)
     text = CAMPAIGN.replace('faults = "stuck"', 'faults = "../faults/f.toml"')
     campaign = load_campaign(write(tmp_path / "campaigns", text.format(system=systems.tracker())))
-    assert campaign.cases[1].files == (str(tmp_path / "faults" / "f.toml"),)
+    assert [fault.file for fault in campaign.cases[1].faults] == [str(tmp_path / "faults" / "f.toml")]
 
 
 def test_a_single_table_is_answered_with_the_way_to_write_it(tmp_path):
@@ -364,10 +375,10 @@ def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
     from navfmu.system.result import read
 
     campaign = load_campaign(done[0])
-    from navfmu.campaign.runs import command_of, runs_of
+    from navfmu.campaign.runs import runs_of
 
     run = next(r for r in runs_of(campaign) if (r.variant, r.case.name, r.seed) == ("slow", "stuck", 3))
-    words = shlex.split(command_of(campaign, run))
+    words = shlex.split(run.experiment.command())
     assert words[0] == "navfmu"
     out = tmp_path / "again.parquet"
     result = CliRunner().invoke(main, [*words[1:], "--record", "estimator.solution.length", "--out", str(out)])

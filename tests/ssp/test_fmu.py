@@ -40,7 +40,7 @@ def test_a_second_load_reads_the_cache_and_imports_neither_fmpy_nor_lxml(tmp_pat
     file = fmus.sensor(tmp_path)
     first = fmu.load(file)
     script = (
-        "import sys, json; from navfmu import fmu; f = fmu.load(sys.argv[1]);"
+        "import sys, json; from navfmu.fmi import fmu; f = fmu.load(sys.argv[1]);"
         "print(json.dumps([len(f.description.variables), 'fmpy' in sys.modules, 'lxml' in sys.modules]))"
     )
     out = subprocess.run([sys.executable, "-c", script, str(file)], capture_output=True, text=True, check=True).stdout

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from navfmu import System
-from navfmu.errors import NavfmuError
 from navfmu.sweep.sweep import Row, Sweep, _size, sweep
 from tests.components import systems
 
@@ -15,7 +16,7 @@ from tests.components import systems
 @pytest.fixture(scope="module")
 def result() -> Sweep:
     system = System.load(systems.tracker())
-    return sweep(system, [1.0, 0.1, 0.2, 0.5], signals=["lag", "estimator", "sensor.reading"], seed=2)
+    return sweep(system.experiment(record=["lag", "estimator", "sensor.reading"], seed=2), [1.0, 0.1, 0.2, 0.5])
 
 
 def test_interpolated_inputs_converge_in_second_order_and_held_ones_in_first(result):
@@ -72,11 +73,19 @@ def test_the_recommendation_is_the_greatest_step_below_which_all_is_well():
     assert "the two differ by up to 5 %" in result.recommendation()
 
 
-def test_a_sweep_without_a_stop_time_says_so():
-    system = System.load(systems.fmus() / "source.fmu")
-    with pytest.raises(NavfmuError, match="suggests no stop time"):
-        sweep(System(system.structure.__class__(**vars(system.structure) | {"stop_time": None}), system.fmus,
-                     system.values, system.links), [0.1, 0.2])  # fmt: skip
+def test_a_sweep_says_how_to_repeat_it():
+    """sweep.json once said "seed: null, parameters: {}" after --seed 9 --set ..."""
+    system = System.load(systems.tracker(), "slow")
+    experiment = system.experiment(
+        seed=9, parameters={"lag.tau": "2 s"}, faults="stuck", stop=5.0, record=["lag.y"], step=0.1
+    )
+    about = sweep(experiment, [0.1, 0.5]).provenance
+    assert (about["seed"], about["parameters"], about["stop"]) == (9, {"lag.tau": "2 s"}, 5.0)
+    assert about["steps"] == [0.1, 0.5] and about["variant"] == "slow" and about["faults"][0]["id"] == "F1"
+    words = shlex.split(about["command"])
+    for pair in (("--seed", "9"), ("--set", "lag.tau=2 s"), ("--faults", "stuck"), ("--signals", "lag.y")):
+        assert words[words.index(pair[0]) + 1] == pair[1]
+    assert words[words.index("--steps") + 1] == "0.1,0.5"
 
 
 @pytest.mark.parametrize(("unit", "largest"), [("rad", 0.02), ("m", 2.0 * np.pi - 0.02)])
@@ -88,7 +97,8 @@ def test_angles_differ_by_the_short_way_round(unit, largest):
 
 
 def test_start_values_before_the_first_measurement_are_not_compared():
-    early = sweep(System.load(systems.tracker()), [0.05, 0.1], signals=["estimator.solution"], stop=0.4, seed=3)
+    tracker = System.load(systems.tracker())
+    early = sweep(tracker.experiment(record=["estimator.solution"], stop=0.4, seed=3), [0.05, 0.1])
     frame = System.load(systems.tracker()).run(
         stop=0.4, step=0.05, seed=3, record=["estimator.solution"], record_period=0.1
     )

@@ -43,7 +43,9 @@ def main(package: str, engine: str, folder: str) -> None:
     system = System.load(package, "bay_area_scanning")
     for algorithm in ("jacobi", "gauss_seidel"):
         for step, faults in ((0.01, FAULTS), (0.05, [])):
-            plan = system.plan(STOP, step, algorithm, seed=3, faults=faults, record=["*"], record_period=1.0)
+            plan = system.plan(
+                stop=STOP, step=step, algorithm=algorithm, seed=3, faults=faults, record=["*"], record_period=1.0
+            )
             with compiled.Compiled(sanitized(plan, Path(folder))) as run:
                 run.initialise()
                 run.advance(plan.clock.steps // 2)

@@ -1,0 +1,271 @@
+"""A loaded system: its structure, its FMUs unpacked, and everything in the documents checked against them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.fmi.fmu import Fmu, Variable, load
+from navfmu.fmi.units import Unit, conversion
+from navfmu.fmi.values import checked
+from navfmu.ssp import reader
+from navfmu.ssp.structure import Component, Connection, Setting, Structure
+from navfmu.system import shipped
+
+if TYPE_CHECKING:
+    from navfmu.faults import Fault
+
+NAVIGATION = ("evaluation", "navigator")  # components whose outputs are recorded when no signal is named
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """A system structure with its FMUs unpacked. Nothing changes in it: threads may share it."""
+
+    structure: Structure
+    fmus: Mapping[str, Fmu]  # by component
+    values: Mapping[str, Mapping[str, Any]]  # start values by component and variable, from the documents
+    links: tuple[tuple[str, str, float, float], ...]  # source, target, factor, offset
+    variant: str | None = None
+
+    @classmethod
+    def load(cls, path: str | Path, variant: str | None = None) -> Self:
+        """Load an .ssp, a folder with SystemStructure.ssd, an .ssd, one .fmu, or a shipped system by its name."""
+        file = shipped.system(str(path))
+        if file.suffix.lower() == ".fmu":
+            if variant is not None:
+                raise NavfmuError(f"{file}: a single FMU has no variants")
+            return cls.of(_single(file))
+        return cls.of(reader.read(file, variant, shipped.find), variant)
+
+    @classmethod
+    def of(cls, structure: Structure, variant: str | None = None) -> Self:
+        """Open the FMUs of a structure and check that everything in it fits them."""
+        fmus = {name: _open(component, structure) for name, component in structure.components.items()}
+        for name, component in structure.components.items():
+            _check_connectors(component, fmus[name])
+        values = {
+            name: _settings(component, fmus[name], structure.ignored)
+            for name, component in structure.components.items()
+        }
+        links = tuple(_link(connection, structure, fmus) for connection in structure.connections)
+        assembly = cls(structure, fmus, values, links, variant)
+        assembly._check_unconnected()
+        return assembly
+
+    @property
+    def name(self) -> str:
+        """The name that the system structure gives itself."""
+        return self.structure.name
+
+    @cached_property
+    def digest(self) -> str:
+        """A hash of everything that determines a run beside its arguments: FMUs, connections, values."""
+        total = hashlib.sha256()
+        for name, fmu in self.fmus.items():
+            total.update(f"{name}={fmu.digest};{sorted(self.values[name].items())!r};".encode())
+        total.update(repr(self.links).encode())
+        return total.hexdigest()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know about the documents: where FMUs were found, and what has no effect."""
+        return (*self.structure.notes, *(f"has no effect: {line}" for line in self.structure.ignored))
+
+    def hashes(self) -> dict[str, str]:
+        """SHA-256 of each component's FMU."""
+        return {name: fmu.digest for name, fmu in self.fmus.items()}
+
+    def variable(self, name: str, where: str = "signal") -> Variable:
+        """The variable that "component.variable" names."""
+        component, _, rest = name.partition(".")
+        self.known(component, where)
+        return self.fmus[component].description.variable(rest, f"{where} '{name}'")
+
+    def value(self, name: str) -> Any:
+        """The start value of "component.variable": the system's, or else that of the FMU."""
+        variable = self.variable(name)
+        component = name.partition(".")[0]
+        return self.values[component].get(variable.name, variable.start)
+
+    def faults(self, faults: str | Path | Fault | Sequence[str | Path | Fault] | None) -> tuple[Fault, ...]:
+        """Faults from files (also by their names inside the system's package), and those given as they are."""
+        from navfmu.faults import Fault, load_faults
+
+        found: list[Fault] = []
+        for entry in [faults] if isinstance(faults, (str, Path, Fault)) else faults or ():
+            if isinstance(entry, (str, Path)):
+                found += [replace(fault, file=str(entry)) for fault in load_faults(self.attachment("faults", entry))]
+            elif isinstance(entry, Fault):
+                found.append(entry)
+            else:
+                raise NavfmuError(
+                    f"faults: {entry!r} is not a fault; expected the name of a fault file, or a Fault such as "
+                    'Fault("gps", "gps.jammed", "input", start=300.0)'
+                )
+        ids = [fault.id for fault in found]
+        for fault in found:
+            if ids.count(fault.id) > 1:
+                raise NavfmuError(f"two faults have the id '{fault.id}'; give them different ones")
+        return tuple(found)
+
+    def attachment(self, kind: str, name: str | Path) -> Path:
+        """A file by path, or by its name among the package's own: ``extra/faults/gps_lost.toml`` by "gps_lost"."""
+        path = Path(name)
+        if path.exists():
+            return path
+        folder = self.structure.file.parent
+        for place in (folder / "extra" / kind, folder / kind):
+            for candidate in (place / path.name, place / f"{path.name}.toml"):
+                if candidate.is_file():
+                    return candidate
+        if path.suffix in ("", ".toml") and path.parent == Path():
+            known = [file.stem for place in (folder / "extra" / kind, folder / kind) for file in place.glob("*.toml")]
+            have = f" (the system has: {', '.join(sorted(known))})" if known else ""
+            raise NavfmuError(f"{kind}: there is no file '{name}'{nearest(path.stem, known)}{have}")
+        return path
+
+    def signals(self, record: Sequence[str] | None = None) -> list[str]:
+        """Names to record: those given, where the name of a component stands for all its outputs.
+
+        Without names: the outputs of the evaluation and the navigator, or else all outputs.
+        """
+        if record is not None:
+            names = [record] if isinstance(record, str) else record
+            return [f"{name}.*" if name in self.fmus else name for name in names]
+        chosen = [name for name in NAVIGATION if name in self.fmus] or list(self.fmus)
+        return [
+            f"{name}.{variable.name}"
+            for name in chosen
+            for variable in self.fmus[name].description.variables
+            if variable.causality == "output" and variable.type != "String"
+        ]
+
+    # -- checks --------------------------------------------------------------------------------------------------
+
+    def refuse_connected(self, component: str, values: Mapping[str, Any], where: str) -> None:
+        """A value for an input that another component feeds would do nothing; that is not left unsaid."""
+        fed = {target: source for source, target, _, _ in self.links}
+        for name in values:
+            source = fed.get(f"{component}.{name}")
+            if source is not None:
+                raise NavfmuError(
+                    f"{where}: '{name}' is connected to '{source}', so a value of its own would have no effect; "
+                    "change the source, or let a fault act on it"
+                )
+
+    def known(self, component: str, where: str) -> None:
+        """Refuse the name of a component that there is not."""
+        if component not in self.fmus:
+            raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, self.fmus)}")
+
+    def _check_unconnected(self) -> None:
+        fed = {target for _, target, _, _ in self.links}
+        for name, fmu in self.fmus.items():
+            for variable in fmu.description.variables:
+                if variable.causality != "input" or f"{name}.{variable.name}" in fed:
+                    continue
+                if variable.start is None and variable.name not in self.values[name]:
+                    raise NavfmuError(
+                        f"{self.structure.file}: input '{name}.{variable.name}' is not connected and has no start "
+                        "value; connect it or give it one in a parameter set"
+                    )
+
+
+def _open(component: Component, structure: Structure) -> Fmu:
+    """Load a component's FMU; messages about a packed one name the package and not the folder it was unpacked to."""
+    try:
+        return load(component.source)
+    except NavfmuError as error:
+        folder = structure.file.parent
+        if structure.origin in (folder, structure.file) or not component.source.is_relative_to(folder.resolve()):
+            raise
+        inside = component.source.relative_to(folder.resolve()).as_posix()
+        raise NavfmuError(str(error).replace(str(component.source), f"{structure.origin}: {inside}")) from None
+
+
+def _single(file: Path) -> Structure:
+    fmu = load(file)
+    about = fmu.description
+    component = Component(about.model_identifier, file, {}, [], str(file), about.description)
+    return Structure(
+        about.model_name,
+        about.description,
+        file,
+        file,
+        {component.name: component},
+        [],
+        about.stop_time,
+        about.step_size,
+    )
+
+
+def _check_connectors(component: Component, fmu: Fmu) -> None:
+    for connector in component.connectors.values():
+        where = f"{component.where}, connector '{connector.name}'"
+        variable = fmu.description.variable(connector.name, where)
+        if connector.type not in (None, variable.type) and (connector.type, variable.type) != (
+            "Integer",
+            "Enumeration",
+        ):
+            raise NavfmuError(f"{where}: is {connector.type}, but the FMU's variable is {variable.type}")
+        if connector.kind in ("input", "output", "parameter") and connector.kind != variable.causality:
+            raise NavfmuError(f"{where}: is an {connector.kind}, but the FMU's variable is {variable.causality}")
+        if connector.unit is not None and variable.unit:
+            conversion(_unit_of(fmu, variable), connector.unit, where)
+
+
+def _unit_of(fmu: Fmu, variable: Variable) -> Unit | None:
+    if not variable.unit or variable.type != "Real":
+        return None
+    return fmu.description.units.get(variable.unit) or Unit(variable.unit)
+
+
+def _settings(component: Component, fmu: Fmu, ignored: list[str]) -> dict[str, Any]:
+    """The values of a component in its own types and units; names that the FMU does not have are listed."""
+    values: dict[str, Any] = {}
+    for setting in component.settings:
+        variable = fmu.description.by_name.get(setting.name)
+        if variable is None:
+            hint = nearest(setting.name, fmu.description.by_name)
+            ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{hint}")
+            continue
+        where = f"{setting.where}: {component.name}"
+        values[setting.name] = checked(fmu.description, variable, _converted(setting, fmu, variable, where), where)
+    return values
+
+
+def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> Any:
+    value = setting.value
+    if variable.type == "Real" and not isinstance(value, (bool, str)):
+        factor, offset = conversion(setting.unit, _unit_of(fmu, variable), f"{where}: '{variable.name}'")
+        return setting.factor * (factor * value + offset) + setting.offset
+    if (setting.factor, setting.offset) != (1.0, 0.0):
+        return setting.factor * value + setting.offset
+    return value
+
+
+def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu]) -> tuple[str, str, float, float]:
+    """Source, target and the one factor and offset that do all conversions of a connection."""
+    where = f"{connection.where} {connection}"
+    ends = []
+    for component, name in (connection.start, connection.end):
+        variable = fmus[component].description.variable(name, where)
+        unit = _unit_of(fmus[component], variable)
+        ends.append((variable, unit, structure.components[component].connectors[name].unit or unit))
+    (source, source_unit, start_unit), (target, target_unit, end_unit) = ends
+    if source.causality != "output" or target.causality != "input":
+        raise NavfmuError(f"{where}: goes from {source.causality} to {target.causality}, expected output to input")
+    steps = [conversion(source_unit, start_unit, where)]
+    if connection.convert_units:
+        steps.append(conversion(start_unit, end_unit, where))
+    steps += [(connection.factor, connection.offset), conversion(end_unit, target_unit, where)]
+    factor, offset = 1.0, 0.0
+    for a, b in steps:
+        factor, offset = a * factor, a * offset + b
+    return ".".join(connection.start), ".".join(connection.end), factor, offset

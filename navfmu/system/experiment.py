@@ -1,0 +1,284 @@
+"""An experiment: everything that determines a run, in one value.
+
+The command line, ``System.run``, sweeps, campaigns, cache keys, provenance and the command that repeats a run are
+views of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from numbers import Integral, Real
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from navfmu.engine.clock import Clock
+from navfmu.errors import NavfmuError, nearest
+from navfmu.fmi.values import checked, expand
+from navfmu.system.assembly import Assembly
+from navfmu.system.provenance import environment, versions
+
+if TYPE_CHECKING:
+    import pandas
+
+    from navfmu.engine.plan import Plan
+    from navfmu.faults import Fault
+
+ENGINES = ("compiled", "reference")
+ALGORITHMS = ("gauss_seidel", "jacobi")
+ROWS = 10_000  # recorded at every step up to here, then more rarely, unless a period is given
+FORMAT = 2  # of what a key covers; raise it when that changes
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A system, and what is done with it. Whatever does not fit together is a ``NavfmuError``.
+
+    ``stop`` and ``step`` (s) are those of the system's default experiment unless given. ``seed`` goes to every
+    component with a parameter of that name and to the faults. ``parameters`` are laid over those of the system:
+    ``{"imu.gyro_drift_sigma": "1 deg/h"}``. ``faults`` names fault files or holds faults. ``record`` names signals,
+    arrays or bundles ("imu.reading"), components, patterns ("imu.*"), and values before faults
+    ("imu.reading.rate[1]@true"); every ``record_period`` (s) a row is recorded.
+    """
+
+    system: Assembly
+    stop: float = None  # type: ignore[assignment]  # after __post_init__ none of these is None but the seed
+    step: float = None  # type: ignore[assignment]
+    algorithm: str = "gauss_seidel"
+    seed: int | None = None
+    faults: Sequence[Fault] = ()
+    record: Sequence[str] = None  # type: ignore[assignment]
+    record_period: float = None  # type: ignore[assignment]
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    engine: str = "compiled"
+
+    def __post_init__(self) -> None:
+        stop = self._suggested("stop", self.system.structure.stop_time)
+        step = self._suggested("step", self.system.structure.step)
+        self._choice("algorithm", ALGORITHMS)
+        self._choice("engine", ENGINES)
+        if self.seed is not None and not _is_seed(self.seed):
+            raise NavfmuError(f"the seed is {self.seed!r}, expected a whole number from 0 to 2147483647")
+        clock = Clock.of(step, stop)
+        period = self.record_period
+        if period is None:
+            period = _default_period(clock.time(clock.steps), clock.step)
+        clock.multiple(period, "recording period")
+        for name, value in (
+            ("stop", clock.time(clock.steps)),
+            ("step", clock.step),
+            ("seed", None if self.seed is None else int(self.seed)),
+            ("faults", self.system.faults(self.faults)),
+            ("record", self._names()),
+            ("record_period", float(period)),
+            ("parameters", self._parameters()),
+        ):
+            object.__setattr__(self, name, value)
+
+    def _suggested(self, name: str, suggestion: float | None) -> float:
+        value = getattr(self, name)
+        if value is not None:
+            return value
+        if suggestion is None:
+            what = {"stop": "stop time"}.get(name, name)
+            raise NavfmuError(f"{self.system.structure.origin}: suggests no {what}; give one")
+        return suggestion
+
+    def _choice(self, name: str, known: Sequence[str]) -> None:
+        value = getattr(self, name)
+        if value not in known:
+            have = " and ".join(known)
+            raise NavfmuError(f"unknown {name} '{value}'{nearest(value, known)} (there are {have})")
+
+    def _names(self) -> tuple[str, ...]:
+        names = [self.record] if isinstance(self.record, str) else self.record
+        for name in names or ():
+            if not isinstance(name, str):
+                raise NavfmuError(f"record: {name!r} is not the name of a signal, such as 'imu.reading' or 'imu.*'")
+        return tuple(self.system.signals(names))
+
+    def _parameters(self) -> dict[str, Any]:
+        if not isinstance(self.parameters, Mapping):
+            raise NavfmuError(
+                f"parameters are {self.parameters!r}, expected values by name: {{'imu.gyro_drift_sigma': '1 deg/h'}}"
+            )
+        return {name: _plain(value) for name, value in self.parameters.items()}
+
+    # -- running it ----------------------------------------------------------------------------------------------
+
+    def start_values(self) -> dict[str, dict[str, Any]]:
+        """The values set before initialisation, by component and variable: the system's, the seed, the parameters."""
+        given: dict[str, dict[str, Any]] = {name: {} for name in self.system.fmus}
+        for name, value in self.parameters.items():
+            component, _, variable = str(name).partition(".")
+            where = f"parameter '{name}'"
+            self.system.known(component, where)
+            values = expand(self.system.fmus[component].description, {variable: value}, where)
+            self.system.refuse_connected(component, values, where)
+            given[component] |= values
+        start = {}
+        for name, fmu in self.system.fmus.items():
+            start[name] = {**self.system.values[name]}
+            own = fmu.description.by_name.get("seed")
+            if self.seed is not None and own is not None and own.type == "Integer" and own.causality == "parameter":
+                start[name]["seed"] = checked(fmu.description, own, self.seed, f"{name}, seed")
+            start[name] |= given[name]
+        return start
+
+    def plan(self) -> Plan:
+        """The plan that an engine executes."""
+        from navfmu.engine.component import Component
+        from navfmu.engine.plan import Connection, make_plan
+
+        start = self.start_values()
+        return make_plan(
+            [Component.of_fmu(name, fmu, start[name]) for name, fmu in self.system.fmus.items()],
+            [Connection(*link) for link in self.system.links],
+            step=self.step,
+            stop=self.stop,
+            algorithm=self.algorithm,
+            record=self.record,
+            record_period=self.record_period,
+            faults=self.faults,
+            seed=1 if self.seed is None else self.seed,
+        )
+
+    def run(self, progress: Callable[[int, int], None] | None = None) -> pandas.DataFrame:
+        """Run it and return the recording as a table (:func:`navfmu.system.result.as_frame`).
+
+        ``progress`` is called with the steps made and all steps a few times a second.
+        """
+        from navfmu.system.result import as_frame
+
+        plan = self.plan()
+        if self.engine == "reference":
+            from navfmu.engine import reference
+
+            recording = reference.run(plan, progress)
+        else:
+            from navfmu.engine import compiled
+
+            recording = compiled.run(plan, progress)
+        frame = as_frame(recording)
+        frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.warnings]
+        frame.attrs["provenance"] = self.provenance()
+        return frame
+
+    # -- views of it ---------------------------------------------------------------------------------------------
+
+    def describe(self) -> dict[str, Any]:
+        """The experiment as plain data, from which ``restored`` makes it again."""
+        return {
+            "system": str(self.system.structure.origin),
+            "variant": self.system.variant,
+            "digest": self.system.digest,
+            "stop": self.stop,
+            "step": self.step,
+            "algorithm": self.algorithm,
+            "engine": self.engine,
+            "seed": self.seed,
+            "parameters": dict(self.parameters),
+            "faults": [fault.describe() for fault in self.faults],
+            "record": list(self.record),
+            "record_period": self.record_period,
+        }
+
+    @classmethod
+    def restored(cls, description: Mapping[str, Any], system: Assembly) -> Self:
+        """The experiment of a description, with its system, which must be the same as then."""
+        from navfmu.faults import Fault
+
+        if system.digest != description["digest"]:
+            raise NavfmuError(
+                f"{description['system']}: is not the system that was run: its FMUs, connections or values have changed"
+            )
+        given = {name: description[name] for name in description if name not in ("system", "variant", "digest")}
+        return cls(system, **given | {"faults": [Fault.of(entry) for entry in given["faults"]]})
+
+    def provenance(self) -> dict[str, Any]:
+        """What is needed to repeat the run, and to see that it is the same."""
+        return self.describe() | {
+            "fmus": self.system.hashes(),
+            "versions": versions(),
+            "command": self.command(),
+        }
+
+    @property
+    def key(self) -> str:
+        """A hash of everything that determines the recording: 32 hexadecimal digits."""
+        content = self.describe() | {"format": FORMAT, "environment": environment()}
+        content.pop("system")  # wherever it lies
+        content.pop("variant")
+        for fault in content["faults"]:
+            fault.pop("file", None)
+        text = json.dumps(content, sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+    def command(self) -> str:
+        """The command that repeats the run."""
+        words = [*self.words("run"), "--step", number(self.step), "--algorithm", self.algorithm]
+        if self.engine != ENGINES[0]:
+            words += ["--engine", self.engine]
+        if self.record != tuple(self.system.signals()):
+            words += [word for name in self.record for word in ("--record", name)]
+        return shlex.join([*words, "--record-period", number(self.record_period)])
+
+    def words(self, verb: str) -> list[str]:
+        """The beginning of a command line: system, parameters, faults, stop and seed."""
+        words = ["navfmu", verb, str(self.system.structure.origin)]
+        if self.system.variant is not None:
+            words += ["--variant", self.system.variant]
+        for name, value in self.parameters.items():
+            words += ["--set", f"{name}={_word(value)}"]
+        for file in dict.fromkeys(fault.file for fault in self.faults if fault.file):
+            words += ["--faults", file]
+        for fault in self.faults:
+            if not fault.file:
+                words += ["--fault", fault.inline()]
+        words += ["--stop", number(self.stop)]
+        return words if self.seed is None else [*words, "--seed", str(self.seed)]
+
+
+def _is_seed(value: object) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value < 2**31
+
+
+def _default_period(stop: float, step: float) -> float:
+    """Every step if that gives at most ``ROWS`` rows, else the next of 0.1 s, 1 s, 10 s ... that is a multiple."""
+    if stop / step <= ROWS:
+        return step
+    period = 0.1
+    while period < 1e9:
+        count = round(period / step)
+        if stop / period <= ROWS and count >= 1 and abs(count * step - period) <= 1e-9 * period:
+            return period
+        period = round(period * 10, 1)
+    return step
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it: lists for arrays, numbers of Python for those of NumPy."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    return float(value) if isinstance(value, Real) and not isinstance(value, (bool, int, float)) else value
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and math.isfinite(value):
+        return number(value)
+    return str(value)
+
+
+def number(value: float) -> str:
+    """A number as one types it: the shortest that reads back the same."""
+    return repr(float(value)).removesuffix(".0")
