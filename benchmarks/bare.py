@@ -13,9 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from navfmu.engine.compiled import FUNCTIONS, Compiled
+from navfmu.engine.compiled import Compiled
 from navfmu.engine.library import RUNTIME
 from navfmu.engine.plan import Inputs, Part, Plan
+from navfmu.engine.structures import LOOP
 from navfmu.export import toolchain
 
 C_TYPES = {"Real": "double", "Integer": "int", "Boolean": "int"}
@@ -33,7 +34,7 @@ class Bare:
         self.plan = plan
         count = len(plan.parts)
         self._instances = (ctypes.c_void_p * count)(*(c.instance for c in engine._components))
-        functions = [getattr(c, name) for c in engine._components for name in FUNCTIONS]
+        functions = [getattr(c, field) for c in engine._components for field in LOOP]
         self._functions = (ctypes.c_void_p * len(functions))(*functions)
         self._library.run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_long, ctypes.c_long, ctypes.c_void_p]
         self._library.run.restype = None
@@ -65,9 +66,9 @@ def generate(plan: Plan) -> str:
     ]
     for number in range(len(plan.parts)):
         lines.append(f"    fmi2Component c{number} = instance[{number}];")
-        for place, name in enumerate(FUNCTIONS):
+        for place, name in enumerate(LOOP.values()):
             lines.append(
-                f"    {name}TYPE *{name}{number} = ({name}TYPE *)function[{number * len(FUNCTIONS) + place}];"
+                f"    {name}TYPE *{name}{number} = ({name}TYPE *)function[{number * len(LOOP) + place}];"
                 f" (void){name}{number};"
             )
     for number, part in enumerate(plan.parts):

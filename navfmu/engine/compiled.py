@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Iterator
-from ctypes import CDLL, POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_void_p
+from ctypes import CDLL, POINTER, byref, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,85 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.engine import structures
+from navfmu.engine.blackbox import BlackBox, Memory
 from navfmu.engine.effect import EFFECT
 from navfmu.engine.library import binary
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal, room
+from navfmu.engine.recording import Recording, RunError, recording, refusal
+from navfmu.engine.structures import FAILED, LOOP, NAMES, Callbacks, Log, Master
 from navfmu.errors import NavfmuError
 
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
-
-
-class _Inputs(Structure):
-    _fields_ = [
-        ("count", c_int32),
-        ("scaled", c_int32),
-        ("references", c_void_p),
-        ("source", c_void_p),
-        ("factor", c_void_p),
-        ("offset", c_void_p),
-    ]
-
-
-FUNCTIONS = (
-    "fmi2SetReal",
-    "fmi2SetInteger",
-    "fmi2SetBoolean",
-    "fmi2SetRealInputDerivatives",
-    "fmi2GetReal",
-    "fmi2GetInteger",
-    "fmi2GetBoolean",
-    "fmi2DoStep",
-    "fmi2ExitInitializationMode",
-)  # in the order of the structure Component and of the enumeration Call
-
-
-class _Component(Structure):
-    _fields_ = [
-        ("instance", c_void_p),
-        *((name, c_void_p) for name in FUNCTIONS),
-        ("never_back", c_int),
-        *((name, _Inputs) for name in ("smooth", "real", "integer", "boolean")),
-        *((name, c_void_p) for name in ("ahead", "first_order", "start", "slope")),
-        *((name, c_void_p) for name in ("real_value", "integer_value", "boolean_value")),
-        *((name, c_int32) for name in ("reals", "integers", "booleans", "first_signal")),
-        *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
-        *((name, c_int32) for name in ("first_effect", "effects")),
-        ("warnings", c_int64),
-    ]
-
-
-class _Master(Structure):
-    _fields_ = [
-        ("component", c_void_p),
-        ("order", c_void_p),
-        ("effect", c_void_p),
-        ("signal", c_void_p),
-        *((name, c_int32) for name in ("components", "signals", "first_driven", "driven")),
-        *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
-        ("column", c_void_p),
-        ("rows", c_void_p),
-        ("record_every", c_int64),
-        *((name, c_double) for name in ("step", "numerator", "denominator")),
-        ("k", c_int64),
-        *((name, c_int32) for name in ("interrupt", "failed", "call", "status")),
-    ]
-
-
-class Log(Structure):
-    _fields_ = [
-        ("error", ctypes.c_char * 2048),
-        ("warning", ctypes.c_char * 2048),
-        ("errors", c_int64),
-        ("warnings", c_int64),
-    ]
-
-
-class Callbacks(Structure):
-    _fields_ = [(name, c_void_p) for name in ("logger", "allocate", "free", "step_finished", "environment")]
-
-
-DONE, FAILED, INTERRUPTED = range(3)
 
 
 @cache
@@ -99,15 +30,11 @@ def engine_library() -> CDLL:
     """The engine's C library, checked to mean the same structures as this file."""
     path = binary()
     library = _load(path, "the engine's binary")
-    library.initialise.argtypes = [POINTER(_Master)]
-    library.advance.argtypes = [POINTER(_Master), c_int64]
+    structures.check(library, f"the engine's binary {path}")
+    library.initialise.argtypes = [POINTER(Master)]
+    library.advance.argtypes = [POINTER(Master), c_int64]
     library.prepare_callbacks.argtypes = [POINTER(Callbacks), POINTER(Log)]
     library.prepare_callbacks.restype = None
-    sizes = (c_int32 * 3)()
-    library.layout(sizes)
-    expected = [ctypes.sizeof(_Master), ctypes.sizeof(_Component), EFFECT.itemsize]
-    if list(sizes) != expected:
-        raise NavfmuError(f"the engine's binary {path} does not fit this version of navfmu (rebuild it)")
     return library
 
 
@@ -149,7 +76,7 @@ class Fmi2:
         self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
         self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
         self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
-        self.addresses = {name: ctypes.cast(self._function(name), c_void_p).value for name in FUNCTIONS}  # for the loop
+        self.addresses = {field: ctypes.cast(self._function(name), c_void_p).value for field, name in LOOP.items()}
 
     def _function(self, name: str, *arguments: Any, result: Any = c_int) -> Any:
         try:
@@ -170,26 +97,30 @@ class Snapshot:
 
 
 class Compiled:
-    """One run of a plan. Several may run at once in threads: the loop holds no lock and shares nothing."""
+    """One run of a plan. Several may run at once in threads: the loop holds no lock and shares nothing.
 
-    def __init__(self, plan: Plan) -> None:
+    ``memory`` takes what a run leaves behind: by default that of this process, or a ``BlackBox``, which outlives it.
+    """
+
+    def __init__(self, plan: Plan, memory: Memory | BlackBox | None = None) -> None:
         self.plan = plan
         self._kept: list[Any] = []  # everything that the C structures point to
         self._memory: list[np.ndarray] = []  # the part of it that changes while running
-        self._logs = (Log * len(plan.parts))()
+        memory = Memory.of(plan) if memory is None else memory
+        self._place, self._logs, self.rows = memory.place, memory.logs, memory.rows
+        self._place.k = self._place.rows = 0
         self._callbacks = (Callbacks * len(plan.parts))()
-        self._components = (_Component * len(plan.parts))()
+        self._components = (structures.Component * len(plan.parts))()
         self._fmus: list[Fmi2] = []
         self._snapshots: list[Snapshot] = []
         self._refused: set[int] = set()  # components that returned an error: they cannot be terminated any more,
         self._fatal: set[int] = set()  # and of these, those of which nothing may be called, not even free
         self._initialised = False
         self._library = engine_library()
-        self.rows = room(plan)
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
-                self._fill(self._components[number], part)
+                self._fill(number, self._components[number], part)
                 self._instantiate(number, part)
         except BaseException:
             self.close()
@@ -206,7 +137,7 @@ class Compiled:
     @property
     def k(self) -> int:
         """Communication points reached; may be read from another thread."""
-        return self._master.k
+        return self._place.k
 
     def initialise(self) -> None:
         """Set start values and bring every component to t = 0."""
@@ -239,8 +170,7 @@ class Compiled:
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
-        rows = self.k // self.plan.record_every + 1
-        return recording(self.plan, self.rows[:rows].copy(), tuple(self._warnings()))
+        return recording(self.plan, self.rows[: self._place.rows].copy(), tuple(self._warnings()))
 
     def _warnings(self) -> Iterator[str]:
         for part, log, component in zip(self.plan.parts, self._logs, self._components, strict=True):
@@ -252,10 +182,9 @@ class Compiled:
         """Raise the sentence for a call that failed in the loop."""
         if result != FAILED:
             return
-        number, call, status = self._master.failed, FUNCTIONS[self._master.call], self._master.status
+        number, call = self._place.component, NAMES[self._place.call]
         partial = self.recording() if self._initialised else None
-        when = self.plan.clock.time(self.k)
-        self._refuse(number, call, status, when, partial)
+        self._refuse(number, call, self._master.status, self.plan.clock.time(self.k), partial)
 
     def _refuse(self, number: int, call: str, status: int, when: float, partial: Recording | None) -> None:
         self._refused.add(number)
@@ -287,14 +216,16 @@ class Compiled:
             self._call(number, "fmi2SetFMUstate", fmu.set_state, state)
         for array, saved in zip(self._memory, snapshot.memory, strict=True):
             array[...] = saved
-        self._master.k = snapshot.k
+        self._place.k, self._place.rows = snapshot.k, snapshot.k // self.plan.record_every + 1
 
     def free(self, snapshot: Snapshot) -> None:
         """Release the memory of a snapshot."""
         self._snapshots.remove(snapshot)
         for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=False)):
             if number not in self._fatal:
+                self._at(number, "fmi2FreeFMUstate")
                 fmu.free_state(self._components[number].instance, byref(state))
+        self._nowhere()
 
     def close(self) -> None:
         """Terminate and free all instances. The recording stays."""
@@ -303,10 +234,13 @@ class Compiled:
         for number, fmu in enumerate(self._fmus):
             instance = self._components[number].instance
             if instance and self._initialised and number not in self._refused:
+                self._at(number, "fmi2Terminate")
                 fmu.terminate(instance)  # when FMUs of other makers write what they have collected
             if instance and number not in self._fatal:
+                self._at(number, "fmi2FreeInstance")
                 fmu.free_instance(instance)
             self._components[number].instance = None
+        self._nowhere()
         self._fmus = []
 
     # ---- preparation -------------------------------------------------------------------------------------------------
@@ -319,14 +253,15 @@ class Compiled:
             self._memory.append(array)
         return array.__array_interface__["data"][0]  # array.ctypes.data, but quicker
 
-    def _make_master(self) -> _Master:
+    def _make_master(self) -> Master:
         plan, count = self.plan, len(self.plan.signals)
         signal = np.zeros((3, count))
         signal[:, plan.first_driven :] = plan.driven
         faulted = {int(slot) for slot in plan.effects["slot"]}
         columns = [c.slot + (count if c.true and c.slot in faulted else 0) for c in plan.recorded]
         first_driven_effect = plan.first_driven_effect
-        return _Master(
+        return Master(
+            place=ctypes.addressof(self._place),
             component=ctypes.addressof(self._components),
             order=self._keep(np.array(plan.order), np.int32),
             effect=self._keep(plan.effects.copy(), EFFECT, changes=True),
@@ -345,11 +280,10 @@ class Compiled:
             step=plan.clock.step,
             numerator=plan.clock.numerator,
             denominator=plan.clock.denominator,
-            failed=-1,
         )
 
-    def _inputs(self, group: Inputs) -> _Inputs:
-        return _Inputs(
+    def _inputs(self, group: Inputs) -> structures.Inputs:
+        return structures.Inputs(
             count=len(group.names),
             scaled=int(group.scaled),
             references=self._keep(group.references, np.uint32),
@@ -358,11 +292,13 @@ class Compiled:
             offset=self._keep(group.offset, np.float64),
         )
 
-    def _fill(self, to: _Component, part: Part) -> None:
+    def _fill(self, number: int, to: structures.Component, part: Part) -> None:
+        self._at(number, "the loading of its binary")
         try:
             fmu = fmi2(part.component.library)
         except NavfmuError as error:
             raise NavfmuError(f"component '{part.component.name}': {error}") from None
+        self._nowhere()
         self._fmus.append(fmu)
         for name, address in fmu.addresses.items():
             setattr(to, name, address)
@@ -400,7 +336,9 @@ class Compiled:
         self._library.prepare_callbacks(byref(callbacks), byref(log))
         resources = resource_uri(component.directory).encode()
         texts = (component.name.encode(), 1, component.guid.encode(), resources)  # 1: co-simulation
+        self._at(number, "fmi2Instantiate")
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
+        self._nowhere()
         if not instance:
             said = text(log.error) or text(log.warning) or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}")
@@ -420,16 +358,26 @@ class Compiled:
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
+        self._at(number, name)
         status = function(self._components[number].instance, *arguments)
+        self._nowhere()
         if status > 1:
             self._refuse(number, name, status, self.plan.clock.time(self.k), None)
+
+    def _at(self, number: int, name: str) -> None:
+        """Leave word of the call that comes now."""
+        self._place.component, self._place.call = number, NAMES.index(name)
+
+    def _nowhere(self) -> None:
+        """Leave word that the call came back."""
+        self._place.component = -1
 
 
 def text(raw: bytes) -> str:
     return raw.decode("utf-8", "replace")
 
 
-def run(plan: Plan, progress: Progress | None = None) -> Recording:
+def run(plan: Plan, progress: Progress | None = None, memory: Memory | BlackBox | None = None) -> Recording:
     """Run a plan from beginning to end."""
-    with Compiled(plan) as engine:
+    with Compiled(plan, memory) as engine:
         return engine.run(progress)

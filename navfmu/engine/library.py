@@ -20,7 +20,10 @@ NATIVE = HERE / "native"  # native/<platform tuple>/navfmu_engine-<hash>.so
 SOURCE = HERE / "source"
 EXPORT = HERE.parent / "export"
 RUNTIME = EXPORT / "runtime"  # FMI headers and the noise that FMUs use
-UNITS = (*(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks")), RUNTIME / "noise.c")
+UNITS = (
+    *(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks", "layout")),
+    RUNTIME / "noise.c",
+)
 HEADERS = (
     *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects")),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),

@@ -16,11 +16,16 @@ def room(plan: Plan) -> np.ndarray:
     try:
         return np.full(shape, np.nan)
     except (MemoryError, ValueError):  # more than there is, more than an array can count
-        size = shape[0] * shape[1] * 8 / 1e9
-        raise NavfmuError(
-            f"the recording of {shape[1]} signals at {shape[0]} points in time would take {size:.0f} GB of memory; "
-            "record fewer signals or take a longer recording period"
-        ) from None
+        raise too_large(plan) from None
+
+
+def too_large(plan: Plan) -> NavfmuError:
+    """The sentence for a recording that there is no room for."""
+    rows, columns = plan.rows, len(plan.recorded)
+    return NavfmuError(
+        f"the recording of {columns} signals at {rows} points in time would take {rows * columns * 8 / 1e9:.0f} GB of "
+        "memory; record fewer signals or take a longer recording period"
+    )
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
-from navfmu.engine.compiled import Callbacks, Log, engine_library, text
+from navfmu.engine.compiled import engine_library, text
 from navfmu.engine.injector import Injector
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
 from navfmu.engine.recording import Recording, RunError, recording, refusal, room
+from navfmu.engine.structures import Callbacks, Log
 from navfmu.errors import NavfmuError
 
 

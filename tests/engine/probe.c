@@ -9,7 +9,8 @@
 enum { U, Y, TAU, GAIN, START, FAIL_AT, SEEN, SLOPE, TIME, SAMPLE, VALIDITY, CURRENT, SETS, REALS };
 enum { NUMBER, ECHO, FAIL_STATUS, FAIL_CALL, SEQUENCE, INTEGERS };
 enum { FLAG, FLAG_ECHO, VALID, BOOLEANS };
-enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP };
+enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE };
+enum { SEGFAULT = 10, ABORT, EXIT, HANG }; /* statuses that no FMU returns: the end of the process */
 
 typedef struct {
     double r[REALS], du;
@@ -18,16 +19,25 @@ typedef struct {
     const fmi2CallbackFunctions *callbacks;
 } Probe;
 
+static void die(int way) {
+    if (way == SEGFAULT) *(volatile int *)8 = 1;
+    if (way == ABORT) abort();
+    if (way == EXIT) exit(0);
+    for (volatile int forever = 1; forever;) {}
+}
+
 static fmi2Status trouble(Probe *p, int call, double t) {
     if (p->i[FAIL_CALL] != call || p->i[FAIL_STATUS] == 0 || t < p->r[FAIL_AT]) return fmi2OK;
     p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
                          "%s gave up at %g s after %d", p->label, t, 42);
+    if (p->i[FAIL_STATUS] >= SEGFAULT) die(p->i[FAIL_STATUS]);
     return p->i[FAIL_STATUS];
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     (void)type, (void)resources, (void)visible, (void)logging;
+    if (!strncmp(guid, "{dies}", 6)) die(atoi(guid + 6));
     if (strcmp(guid, "{probe}")) {
         callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "guid %s is not mine", guid);
         return NULL;
@@ -51,7 +61,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2R
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Probe *p = c;
     p->r[Y] = p->r[START];
-    return fmi2OK;
+    return trouble(p, FAIL_ENTER, 0.0);
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Probe *p = c;
@@ -61,7 +71,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     p->b[FLAG_ECHO] = p->b[FLAG];
     return trouble(p, FAIL_EXIT, 0.0);
 }
-fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) { return trouble(c, FAIL_TERMINATE, ((Probe *)c)->r[TIME]); }
 fmi2Status fmi2Reset(fmi2Component c) { (void)c; return fmi2OK; }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean never_back) {

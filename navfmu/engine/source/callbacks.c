@@ -6,13 +6,6 @@
 
 #include "master.h"
 
-/* What an instance has said; its componentEnvironment. */
-typedef struct {
-    char error[2048];   /* all errors one after the other: the first often tells more than the last */
-    char warning[2048]; /* the last warning */
-    int64_t errors, warnings;
-} Log;
-
 /* Put a sentence behind the others; when there is no room, in their place. */
 static void append(char *text, size_t size, const char *sentence) {
     size_t length = strlen(text), more = strlen(sentence);

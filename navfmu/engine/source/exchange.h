@@ -11,21 +11,26 @@
 #define RARELY
 #endif
 
-static RARELY int failed(Master *m, Component *c, Call call, fmi2Status status) {
+static RARELY int failed(Master *m, Component *c, fmi2Status status) {
     if (status == fmi2Warning) {
         c->warnings++;
         return 0;
     }
-    m->failed = (int32_t)(c - m->component);
-    m->call = call;
     m->status = status;
     return 1;
 }
 
-#define TRY(call, expression)                                                       \
+/* The component that is called from now on. */
+static inline Component *at(Master *m, int32_t number) {
+    m->place->component = number;
+    return &m->component[number];
+}
+
+#define TRY(which, expression)                                                      \
     do {                                                                            \
+        m->place->call = which;                                                     \
         fmi2Status status_ = (expression);                                          \
-        if (status_ != fmi2OK && failed(m, c, call, status_)) return 1;             \
+        if (status_ != fmi2OK && failed(m, c, status_)) return 1;                   \
     } while (0)
 
 static inline uint64_t bits(double value) {

@@ -2,11 +2,11 @@
 #include "exchange.h"
 
 int gauss_seidel(Master *m) {
-    double t = time_of(m, m->k);
+    double t = time_of(m, m->place->k);
     for (int i = 0; i < m->components; i++) {
-        Component *c = &m->component[m->order[i]];
+        Component *c = at(m, m->order[i]);
         if (set_smooth(m, c) || set_held(m, c, 0)) return 1;
-        if (make_step(m, c, t) || read_outputs(m, c, m->k + 1)) return 1;
+        if (make_step(m, c, t) || read_outputs(m, c, m->place->k + 1)) return 1;
     }
     return 0;
 }

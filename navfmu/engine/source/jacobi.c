@@ -2,14 +2,14 @@
 #include "exchange.h"
 
 int jacobi(Master *m) {
-    double t = time_of(m, m->k);
+    double t = time_of(m, m->place->k);
     for (int i = 0; i < m->components; i++) {
-        Component *c = &m->component[i];
+        Component *c = at(m, i);
         if (set_held(m, c, 0)) return 1;
     }
     for (int i = 0; i < m->components; i++) {
-        Component *c = &m->component[i];
-        if (make_step(m, c, t) || read_outputs(m, c, m->k + 1)) return 1;
+        Component *c = at(m, i);
+        if (make_step(m, c, t) || read_outputs(m, c, m->place->k + 1)) return 1;
     }
     return 0;
 }

@@ -1,5 +1,6 @@
 /* The compiled master: runs a plan (navfmu/engine/plan.py) over the function pointers of FMI 2.0 FMUs.
-   All memory belongs to the caller (navfmu/engine/compiled.py), which mirrors these structures field by field. */
+   All memory belongs to the caller; navfmu/engine/structures.py mirrors these structures, layout.c says where
+   their fields lie. */
 #ifndef NAVFMU_MASTER_H
 #define NAVFMU_MASTER_H
 
@@ -13,7 +14,7 @@
 #define API __attribute__((visibility("default")))
 #endif
 
-/* What a fault does to one signal while first <= k < end; see navfmu/faults/effect.py. */
+/* What a fault does to one signal while first <= k < end; see navfmu/engine/effect.py. */
 typedef enum { ADD, RAMP, SET, HOLD, NOISE } EffectKind;
 
 typedef struct {
@@ -67,10 +68,30 @@ typedef struct {
     int64_t warnings;             /* calls that returned fmi2Warning */
 } Component;
 
-typedef enum { SET_REAL, SET_INTEGER, SET_BOOLEAN, SET_DERIVATIVES, GET_REAL, GET_INTEGER, GET_BOOLEAN, DO_STEP,
-               EXIT_INITIALIZATION } Call;
+/* Calls to an FMU: those of the loop first, then those that the caller of the loop makes. */
+typedef enum {
+    SET_REAL, SET_INTEGER, SET_BOOLEAN, SET_DERIVATIVES, GET_REAL, GET_INTEGER, GET_BOOLEAN, DO_STEP,
+    EXIT_INITIALIZATION, LOAD, INSTANTIATE, SETUP_EXPERIMENT, ENTER_INITIALIZATION, SET_STRING, GET_STATE, SET_STATE,
+    FREE_STATE, TERMINATE, FREE_INSTANCE
+} Call;
+
+/* How far a run is and which call it is in, written before each call: what is left when an FMU ends the process. */
+typedef struct {
+    int64_t k;                    /* communication points reached; may be read while running */
+    int64_t rows;                 /* recorded so far; 0 until initialisation is complete */
+    int32_t component;            /* whose function has been called, -1: nobody's */
+    int32_t call;                 /* which function */
+} Place;
+
+/* What an instance has said; its componentEnvironment. */
+typedef struct {
+    char error[2048];             /* all errors one after the other: the first often tells more than the last */
+    char warning[2048];           /* the last warning */
+    int64_t errors, warnings;
+} Log;
 
 typedef struct {
+    Place *place;
     Component *component;         /* in the order of the system description */
     const int32_t *order;         /* in which they initialise and, in Gauss-Seidel, step */
     Effect *effect;
@@ -86,15 +107,11 @@ typedef struct {
     int64_t record_every;
 
     double step, numerator, denominator; /* t_k = k * numerator / denominator */
-    int64_t k;                    /* communication points reached; may be read while running */
     int32_t interrupt;            /* set to 1 from another thread to stop at the next communication point */
-
-    int32_t failed;               /* component whose call failed, or -1 */
-    int32_t call;                 /* which one */
-    int32_t status;               /* and what it returned */
+    int32_t status;               /* what the call at `place` returned when it failed */
 } Master;
 
-/* Return values of initialise and advance. */
+/* Return values of initialise and advance; after FAILED `place` says which call it was. */
 enum { DONE, FAILED, INTERRUPTED };
 
 int jacobi(Master *m);

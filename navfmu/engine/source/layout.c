@@ -1,0 +1,59 @@
+/* Where the fields of the structures lie, so that a caller in another language can see that it means the same ones. */
+#include <stddef.h>
+
+#include "master.h"
+
+typedef struct {
+    const char *structure, *field; /* "" for the structure itself */
+    int32_t offset, size;          /* bytes; of an enumeration: value and 0 */
+} Field;
+
+#define WHOLE(structure) {#structure, "", 0, sizeof(structure)}
+#define FIELD(structure, field) {#structure, #field, offsetof(structure, field), sizeof(((structure *)0)->field)}
+#define VALUE(enumeration, value) {#enumeration, #value, value, 0}
+
+static const Field FIELDS[] = {
+    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, first), FIELD(Effect, end),
+    FIELD(Effect, amount), FIELD(Effect, start), FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane),
+    FIELD(Effect, multiplier), FIELD(Effect, divisor), FIELD(Effect, memory), FIELD(Effect, drawn),
+
+    WHOLE(Inputs), FIELD(Inputs, count), FIELD(Inputs, scaled), FIELD(Inputs, references), FIELD(Inputs, source),
+    FIELD(Inputs, factor), FIELD(Inputs, offset),
+
+    WHOLE(Component), FIELD(Component, instance), FIELD(Component, set_real), FIELD(Component, set_integer),
+    FIELD(Component, set_boolean), FIELD(Component, set_derivatives), FIELD(Component, get_real),
+    FIELD(Component, get_integer), FIELD(Component, get_boolean), FIELD(Component, do_step),
+    FIELD(Component, exit_initialization), FIELD(Component, never_back), FIELD(Component, smooth),
+    FIELD(Component, real), FIELD(Component, integer), FIELD(Component, boolean), FIELD(Component, ahead),
+    FIELD(Component, first_order), FIELD(Component, start), FIELD(Component, slope), FIELD(Component, real_value),
+    FIELD(Component, integer_value), FIELD(Component, boolean_value), FIELD(Component, reals),
+    FIELD(Component, integers), FIELD(Component, booleans), FIELD(Component, first_signal),
+    FIELD(Component, real_reference), FIELD(Component, integer_reference), FIELD(Component, boolean_reference),
+    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, warnings),
+
+    WHOLE(Place), FIELD(Place, k), FIELD(Place, rows), FIELD(Place, component), FIELD(Place, call),
+
+    WHOLE(Log), FIELD(Log, error), FIELD(Log, warning), FIELD(Log, errors), FIELD(Log, warnings),
+
+    WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, effect),
+    FIELD(Master, signal), FIELD(Master, components), FIELD(Master, signals), FIELD(Master, first_driven),
+    FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
+    FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
+    FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
+    FIELD(Master, interrupt), FIELD(Master, status),
+
+    VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
+    VALUE(EffectKind, NOISE),
+
+    VALUE(Call, SET_REAL), VALUE(Call, SET_INTEGER), VALUE(Call, SET_BOOLEAN), VALUE(Call, SET_DERIVATIVES),
+    VALUE(Call, GET_REAL), VALUE(Call, GET_INTEGER), VALUE(Call, GET_BOOLEAN), VALUE(Call, DO_STEP),
+    VALUE(Call, EXIT_INITIALIZATION), VALUE(Call, LOAD), VALUE(Call, INSTANTIATE), VALUE(Call, SETUP_EXPERIMENT),
+    VALUE(Call, ENTER_INITIALIZATION), VALUE(Call, SET_STRING), VALUE(Call, GET_STATE), VALUE(Call, SET_STATE),
+    VALUE(Call, FREE_STATE), VALUE(Call, TERMINATE), VALUE(Call, FREE_INSTANCE),
+};
+
+/* The table and the number of its rows. */
+API const Field *layout(int32_t *rows) {
+    *rows = (int32_t)(sizeof FIELDS / sizeof *FIELDS);
+    return FIELDS;
+}
