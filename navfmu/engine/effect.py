@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -224,6 +224,42 @@ def window(fault: Fault, clock: Clock) -> tuple[int, int]:
             "duration",
         )
     return first, min(end, FOREVER)
+
+
+def idle(
+    effects: Sequence[Effect], rows: np.ndarray, clock: Clock, undisturbed: Mapping[tuple[str, str], float]
+) -> dict[str, str]:
+    """Faults that change nothing in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
+
+    ``rows`` is the ``table`` of the effects; ``undisturbed`` has the value of each driven variable without faults.
+    """
+    on: dict[tuple[str, str], list[int]] = {}  # variable -> numbers of its effects
+    for number, effect in enumerate(effects):
+        on.setdefault((effect.component, effect.variable), []).append(number)
+    reasons: dict[str, list[str]] = {}
+    for key, numbers in on.items():
+        for number in numbers:
+            own = undisturbed.get(key) if len(numbers) == 1 else None
+            later = [rows[other] for other in numbers if other > number]
+            reason = _idle(effects[number], rows[number], clock, own, later)
+            reasons.setdefault(effects[number].fault.id, []).append(reason)
+    return {fault: found[0] for fault, found in reasons.items() if all(found)}
+
+
+def _idle(effect: Effect, row: np.void, clock: Clock, own: float | None, later: Sequence[np.void]) -> str:
+    """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway."""
+    if row["first"] > clock.steps:
+        return f"starts at {effect.fault.start:.9g} s, the run ends at {clock.time(clock.steps):.9g} s"
+    if row["first"] == clock.steps and (effect.driven or effect.kind == RAMP):
+        return f"starts at {effect.fault.start:.9g} s, the last communication point"
+    if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
+        return "adds 0"
+    if effect.driven and effect.amount == own:
+        return f"sets '{effect.component}.{effect.variable}' to {effect.amount:.9g}, which it is anyway"
+    end = min(row["end"], clock.steps + 1)
+    if any(other["kind"] == SET and other["first"] <= row["first"] and end <= other["end"] for other in later):
+        return f"is hidden: all the time another fault sets '{effect.component}.{effect.variable}'"
+    return ""
 
 
 def fault_stream(fault: Fault) -> int:

@@ -34,7 +34,7 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component, Variable
-from navfmu.engine.effect import EFFECT, Effect, effects_of, table
+from navfmu.engine.effect import EFFECT, effects_of, idle, table
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault, is_number
@@ -128,6 +128,7 @@ class Plan:
     recorded: tuple[Recorded, ...]
     record_every: int  # steps
     cut: tuple[str, ...]  # connections that were cut, "a.y -> b.u"
+    idle: Mapping[str, str]  # faults that change nothing, by id, and why
     notes: tuple[str, ...]  # sentences for the user
 
     @property
@@ -198,6 +199,9 @@ def make_plan(
     ordered += [e for e in effects if e.driven]
     effect_table = table(ordered, slots, clock, seed) if ordered else np.zeros(0, EFFECT)
 
+    undisturbed = {(c, v): _undisturbed(by_name[c], v) for c, v in driven}
+    useless = idle(ordered, effect_table, clock, undisturbed)
+
     parts, first_effect = [], 0
     for component in components:
         groups = _groups(component, links, driven, slots, algorithm, set(cut))
@@ -212,12 +216,13 @@ def make_plan(
         algorithm=algorithm,
         clock=clock,
         signals=tuple(f"{c}.{v}" for c, v in signals),
-        driven=np.array([_undisturbed(by_name[c], v) for c, v in driven], np.float64),
+        driven=np.array(list(undisturbed.values()), np.float64),
         effects=effect_table,
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
-        notes=tuple(_notes(cut, algorithm, ordered, effect_table, clock)),
+        idle=useless,
+        notes=tuple(_notes(cut, algorithm, useless)),
     )
 
 
@@ -459,12 +464,9 @@ def _recorded(
     return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)
 
 
-def _notes(
-    cut: Sequence[tuple[_End, _End]], algorithm: str, effects: Sequence[Effect], rows: np.ndarray, clock: Clock
-) -> Iterable[str]:
+def _notes(cut: Sequence[tuple[_End, _End]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:
     if cut and algorithm == "gauss_seidel":
         where = ", ".join(f"{s} -> {t}" for s, t in cut)
         yield f"the system has cycles; one communication step late: {where}"
-    late = dict.fromkeys(e.fault.id for e, row in zip(effects, rows, strict=True) if row["first"] > clock.steps)
-    for name in late:
-        yield f"fault '{name}' starts after the end of the run"
+    for fault, why in useless.items():
+        yield f"fault '{fault}' {why}: it cannot act"

@@ -53,8 +53,48 @@ def test_a_window_between_two_communication_points_is_refused():
         plan("a.y", "bias", start=0.12, duration=0.05, value=1)
 
 
-def test_a_fault_after_the_end_of_the_run_is_noted():
-    assert plan("a.y", "bias", start=20.0, value=1).notes == ("fault 'x' starts after the end of the run",)
+def both(*faults):
+    return make_plan([probe("a")], [], step=0.1, stop=10.0, faults=parse_faults("".join(faults), "f.toml"))
+
+
+def fault(name, target, kind, **parameters):
+    lines = [f'[[fault]]\nid = "{name}"\ntarget = "{target}"\ntype = "{kind}"\n']
+    return "".join([*lines, *(f"{key} = {value}\n" for key, value in parameters.items())])
+
+
+@pytest.mark.parametrize(
+    ("target", "kind", "parameters", "why"),
+    [
+        ("a.y", "bias", {"start": 10.1, "value": 1}, "starts at 10.1 s, the run ends at 10 s"),
+        ("a.y", "bias", {"start": 10.0, "value": 1}, None),  # the last row of the recording has it
+        ("a.gain", "parameter", {"start": 10.0, "value": 2}, "starts at 10 s, the last communication point"),
+        ("a.gain", "parameter", {"start": 9.9, "value": 2}, None),
+        ("a.y", "drift", {"start": 9.95, "rate": 1}, "starts at 9.95 s, the last communication point"),
+        ("a.y", "drift", {"start": 9.9, "rate": 1}, None),
+        ("a.y", "bias", {"value": 0}, "adds 0"),
+        ("a.y", "drift", {"rate": 0.0}, "adds 0"),
+        ("a.y", "noise", {"sigma": 0, "period": 1}, "adds 0"),
+        ("a.gain", "parameter", {"value": 1}, "sets 'a.gain' to 1, which it is anyway"),
+        ("a.flag", "input", {"value": "false"}, "sets 'a.flag' to 0, which it is anyway"),
+        ("a.flag", "input", {}, None),
+        ("a.y", "stuck", {"value": 0}, None),
+    ],
+)
+def test_a_fault_that_cannot_act_is_noted(target, kind, parameters, why):
+    made = both(fault("x", target, kind, **parameters))
+    assert made.idle == ({} if why is None else {"x": why})
+    assert made.notes == (() if why is None else (f"fault 'x' {why}: it cannot act",))
+
+
+def test_a_fault_that_others_hide_cannot_act_and_one_that_ends_others_can():
+    stuck = {"value": 3, "start": 2.0, "duration": 100.0}
+    hidden = both(fault("x", "a.y", "bias", value=1, start=5.0), fault("y", "a.y", "stuck", **stuck))
+    assert hidden.idle == {"x": "is hidden: all the time another fault sets 'a.y'"}
+    assert not both(fault("x", "a.y", "bias", value=1, start=1.9), fault("y", "a.y", "stuck", **stuck)).idle
+    assert not both(fault("y", "a.y", "stuck", **stuck), fault("x", "a.y", "bias", value=1, start=5.0)).idle
+    assert not both(
+        fault("x", "a.gain", "parameter", value=2), fault("y", "a.gain", "parameter", value=1, start=5.0)
+    ).idle  # the second one gives back what the first one took
 
 
 def test_windows_are_counted_in_whole_steps():
