@@ -161,11 +161,11 @@ def _seconds(value: float | None) -> str:
 def _show_connections(out: Console, system: System) -> None:
     """Connections by pairs of components, arrays and bundles folded."""
     pairs: dict[tuple[str, str], list[str]] = {}
-    for source, target, factor, offset in system.links:
-        (a, output), (b, _) = source.split(".", 1), target.split(".", 1)
+    for link in system.links:
+        (a, output), (b, _) = link.source.split(".", 1), link.target.split(".", 1)
         name = output.split("[")[0]
-        if (factor, offset) != (1.0, 0.0):
-            name += f" (times {factor:g}" + (f" plus {offset:g})" if offset else ")")
+        if link.scaled:
+            name += f" (times {link.factor:g}" + (f" plus {link.offset:g})" if link.offset else ")")
         names = pairs.setdefault((a, b), [])
         if name not in names:
             names.append(name)
@@ -180,7 +180,7 @@ def _show_connections(out: Console, system: System) -> None:
 
 
 def _show_free_inputs(out: Console, system: System) -> None:
-    fed = {target for _, target, _, _ in system.links}
+    fed = {link.target for link in system.links}
     free = [
         (f"{name}.{v.name}", v)
         for name, fmu in system.fmus.items()

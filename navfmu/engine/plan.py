@@ -35,28 +35,13 @@ import numpy as np
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component, Variable
 from navfmu.engine.effect import EFFECT, effects_of, idle, table
+from navfmu.engine.link import Link
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault, is_number
 
 TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
-
-
-# ---- what goes in ----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Connection:
-    """``target = factor * source + offset`` (the unit conversion of the SSP connection; 1 and 0 copy the bits)."""
-
-    source: str  # "component.output"
-    target: str  # "component.input"
-    factor: float = 1.0
-    offset: float = 0.0
-
-
-# ---- what comes out --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -149,7 +134,7 @@ class Plan:
 
 def make_plan(
     components: Sequence[Component],
-    connections: Sequence[Connection],
+    links: Sequence[Link],
     *,
     step: float,
     stop: float,
@@ -173,17 +158,17 @@ def make_plan(
     clock = Clock.of(step, stop)
     every = 1 if record_period is None else clock.multiple(record_period, "recording period")
     by_name = _by_name(components)
-    links = [_link(connection, by_name) for connection in connections]
-    connected = _connected(links)
+    wires = [_wire(link, by_name) for link in links]
+    connected = _connected(wires)
     effects = effects_of(faults, by_name, connected)
     columns = _columns(record, by_name)
 
     index = {component.name: i for i, component in enumerate(components)}
-    order, cut_edges = sort_components(len(components), ((index[s.component], index[t.component]) for s, t, _ in links))
+    order, cut_edges = sort_components(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
     cut_names = {(components[a].name, components[b].name) for a, b in cut_edges}
-    cut = [(s, t) for s, t, _ in links if (s.component, t.component) in cut_names]
+    cut = [(s, t) for s, t, _ in wires if (s.component, t.component) in cut_names]
 
-    read = {s.key for s, _, _ in links} | {(e.component, e.variable) for e in effects if not e.driven}
+    read = {s.key for s, _, _ in wires} | {(e.component, e.variable) for e in effects if not e.driven}
     driven = {(e.component, e.variable): None for e in effects if e.driven}  # a set that keeps its order
     for end, _ in columns:
         if end.key not in connected and end.key not in driven:
@@ -204,7 +189,7 @@ def make_plan(
 
     parts, first_effect = [], 0
     for component in components:
-        groups = _groups(component, links, driven, slots, algorithm, set(cut))
+        groups = _groups(component, wires, driven, slots, algorithm, set(cut))
         count = sum(e.component == component.name and not e.driven for e in ordered)
         references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
         first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
@@ -228,7 +213,7 @@ def make_plan(
 
 @dataclass(frozen=True)
 class _End:
-    """One end of a connection: a variable of a component."""
+    """One end of a link: a variable of a component."""
 
     component: str
     variable: Variable
@@ -241,7 +226,7 @@ class _End:
         return f"{self.component}.{self.variable.name}"
 
 
-_Link = tuple[_End, _End, Connection]
+_Wire = tuple[_End, _End, Link]  # a link and its ends
 
 
 def _by_name(components: Sequence[Component]) -> dict[str, Component]:
@@ -272,9 +257,9 @@ def _end(name: str, by_name: Mapping[str, Component], where: str) -> _End:
     return _End(component, variables[variable])
 
 
-def _link(connection: Connection, by_name: Mapping[str, Component]) -> _Link:
-    where = f"connection {connection.source} -> {connection.target}"
-    source, target = _end(connection.source, by_name, where), _end(connection.target, by_name, where)
+def _wire(link: Link, by_name: Mapping[str, Component]) -> _Wire:
+    where = f"connection {link.source} -> {link.target}"
+    source, target = _end(link.source, by_name, where), _end(link.target, by_name, where)
     if source.variable.causality != "output":
         raise NavfmuError(f"{where}: '{source}' is not an output ({source.variable.causality})")
     if target.variable.causality != "input":
@@ -282,26 +267,26 @@ def _link(connection: Connection, by_name: Mapping[str, Component]) -> _Link:
     kinds = source.variable.type, target.variable.type
     if kinds[0] not in TYPES or (kinds[0] != kinds[1] and kinds != ("Integer", "Real")):
         raise NavfmuError(f"{where}: a {kinds[0]} cannot be connected to a {kinds[1]}")
-    if (connection.factor, connection.offset) != (1.0, 0.0) and kinds[1] != "Real":
+    if link.scaled and kinds[1] != "Real":
         raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
-    if not (math.isfinite(connection.factor) and math.isfinite(connection.offset)):
-        raise NavfmuError(f"{where}: factor {connection.factor!r} and offset {connection.offset!r} must be finite")
-    return source, target, connection
+    if not (math.isfinite(link.factor) and math.isfinite(link.offset)):
+        raise NavfmuError(f"{where}: factor {link.factor!r} and offset {link.offset!r} must be finite")
+    return source, target, link
 
 
-def _connected(links: Sequence[_Link]) -> dict[tuple[str, str], tuple[_End, Connection]]:
+def _connected(wires: Sequence[_Wire]) -> dict[tuple[str, str], tuple[_End, Link]]:
     """For each connected input its source."""
-    connected: dict[tuple[str, str], tuple[_End, Connection]] = {}
-    for source, target, connection in links:
+    connected: dict[tuple[str, str], tuple[_End, Link]] = {}
+    for source, target, link in wires:
         if target.key in connected:
             raise NavfmuError(f"input '{target}' has two sources: '{connected[target.key][0]}' and '{source}'")
-        connected[target.key] = source, connection
+        connected[target.key] = source, link
     return connected
 
 
 def _groups(
     component: Component,
-    links: Sequence[_Link],
+    wires: Sequence[_Wire],
     driven: Mapping[tuple[str, str], None],
     slots: Mapping[tuple[str, str], int],
     algorithm: str,
@@ -309,7 +294,7 @@ def _groups(
 ) -> tuple[Inputs, Inputs, Inputs, Inputs]:
     """The inputs of a component: smooth, held Real, Integer, Boolean."""
     groups: dict[str, list[tuple[Variable, int, float, float]]] = {"smooth": [], **{t: [] for t in TYPES}}
-    for source, target, connection in links:
+    for source, target, link in wires:
         if target.component != component.name:
             continue
         smooth = (
@@ -320,7 +305,7 @@ def _groups(
             and (source, target) not in cut
         )
         group = "smooth" if smooth else target.variable.type
-        groups[group].append((target.variable, slots[source.key], connection.factor, connection.offset))
+        groups[group].append((target.variable, slots[source.key], link.factor, link.offset))
     for name, variable in driven:
         if name == component.name:
             target_variable = component.variables[variable]
@@ -453,14 +438,13 @@ def _recorded(
     end: _End,
     true: bool,
     slots: Mapping[tuple[str, str], int],
-    connected: Mapping[tuple[str, str], tuple[_End, Connection]],
+    connected: Mapping[tuple[str, str], tuple[_End, Link]],
 ) -> Recorded:
     name = f"{end}@true" if true else str(end)
     variable = end.variable
     if end.key in connected:
-        source, connection = connected[end.key]
-        slot, factor, offset = slots[source.key], connection.factor, connection.offset
-        return Recorded(name, slot, true, factor, offset, variable.type, variable.unit)
+        source, link = connected[end.key]
+        return Recorded(name, slots[source.key], true, link.factor, link.offset, variable.type, variable.unit)
     return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)
 
 

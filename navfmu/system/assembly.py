@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.fmu import Fmu, Variable, load
 from navfmu.fmi.units import Unit, conversion
@@ -30,7 +31,7 @@ class Assembly:
     structure: Structure
     fmus: Mapping[str, Fmu]  # by component
     values: Mapping[str, Mapping[str, Any]]  # start values by component and variable, from the documents
-    links: tuple[tuple[str, str, float, float], ...]  # source, target, factor, offset
+    links: tuple[Link, ...]
     variant: str | None = None
 
     @classmethod
@@ -150,7 +151,7 @@ class Assembly:
 
     def refuse_connected(self, component: str, values: Mapping[str, Any], where: str) -> None:
         """A value for an input that another component feeds would do nothing; that is not left unsaid."""
-        fed = {target: source for source, target, _, _ in self.links}
+        fed = {link.target: link.source for link in self.links}
         for name in values:
             source = fed.get(f"{component}.{name}")
             if source is not None:
@@ -165,7 +166,7 @@ class Assembly:
             raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, self.fmus)}")
 
     def _check_unconnected(self) -> None:
-        fed = {target for _, target, _, _ in self.links}
+        fed = {link.target for link in self.links}
         for name, fmu in self.fmus.items():
             for variable in fmu.description.variables:
                 if variable.causality != "input" or f"{name}.{variable.name}" in fed:
@@ -250,8 +251,8 @@ def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> An
     return value
 
 
-def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu]) -> tuple[str, str, float, float]:
-    """Source, target and the one factor and offset that do all conversions of a connection."""
+def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu]) -> Link:
+    """A connection with the one factor and offset that do all its conversions."""
     where = f"{connection.where} {connection}"
     ends = []
     for component, name in (connection.start, connection.end):
@@ -268,4 +269,4 @@ def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu])
     factor, offset = 1.0, 0.0
     for a, b in steps:
         factor, offset = a * factor, a * offset + b
-    return ".".join(connection.start), ".".join(connection.end), factor, offset
+    return Link(".".join(connection.start), ".".join(connection.end), factor, offset)

@@ -132,12 +132,12 @@ class Experiment:
     def plan(self) -> Plan:
         """The plan that an engine executes."""
         from navfmu.engine.component import Component
-        from navfmu.engine.plan import Connection, make_plan
+        from navfmu.engine.plan import make_plan
 
         start = self.start_values()
         return make_plan(
             [Component.of_fmu(name, fmu, start[name]) for name, fmu in self.system.fmus.items()],
-            [Connection(*link) for link in self.system.links],
+            self.system.links,
             step=self.step,
             stop=self.stop,
             algorithm=self.algorithm,

@@ -13,7 +13,8 @@ import numpy as np
 from navfmu.engine import compiled, reference
 from navfmu.engine.component import Component, Variable
 from navfmu.engine.library import RUNTIME
-from navfmu.engine.plan import Connection, Plan, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import Plan, make_plan
 from navfmu.engine.recording import Recording
 from navfmu.export import toolchain
 
@@ -95,16 +96,16 @@ def probe(name: str, *, interpolates: bool = False, restores: bool = True, **sta
     )
 
 
-def ring(count: int = 6, **start: Any) -> tuple[list[Component], list[Connection]]:
+def ring(count: int = 6, **start: Any) -> tuple[list[Component], list[Link]]:
     """Lags in a circle."""
     lags = [probe(f"lag{i}", **({"start": 1.0} | start)) for i in range(count)]
-    return lags, [Connection(f"lag{i}.y", f"lag{(i + 1) % count}.u") for i in range(count)]
+    return lags, [Link(f"lag{i}.y", f"lag{(i + 1) % count}.u") for i in range(count)]
 
 
-def chain(count: int, *, interpolates: bool = False, **start: Any) -> tuple[list[Component], list[Connection]]:
+def chain(count: int, *, interpolates: bool = False, **start: Any) -> tuple[list[Component], list[Link]]:
     """Lags in a row; the first has the input u, every lag starts at 0."""
     lags = [probe(f"lag{i}", interpolates=interpolates, **(start if i == 0 else {})) for i in range(count)]
-    return lags, [Connection(f"lag{i}.y", f"lag{i + 1}.u") for i in range(count - 1)]
+    return lags, [Link(f"lag{i}.y", f"lag{i + 1}.u") for i in range(count - 1)]
 
 
 def run_both(plan: Plan) -> Recording:
@@ -117,7 +118,7 @@ def run_both(plan: Plan) -> Recording:
     return fast
 
 
-def simulate(system: tuple[list[Component], list[Connection]], **options: Any) -> Recording:
+def simulate(system: tuple[list[Component], list[Link]], **options: Any) -> Recording:
     """Plan and run a system in both engines."""
     return run_both(make_plan(*system, **options))
 

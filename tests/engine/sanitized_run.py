@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from navfmu.engine import compiled
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
 from navfmu.faults import Fault
 from tests.engine import probe as probes
@@ -31,7 +32,7 @@ FAULTS = [
 
 def main() -> None:
     lags, connections = chain(4, interpolates=True, start=1.0, u=0.5, label="first of them")
-    connections += [Connection("lag0.data.sequence", "lag1.number"), Connection("lag0.data.valid", "lag1.flag")]
+    connections += [Link("lag0.data.sequence", "lag1.number"), Link("lag0.data.valid", "lag1.flag")]
     for algorithm in ("jacobi", "gauss_seidel"):
         for faults in ([], FAULTS):
             plan = make_plan(lags, connections, step=0.1, stop=10.0, algorithm=algorithm, faults=faults, record=["*"])

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from navfmu.engine import compiled
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from tests.engine.probe import chain, probe, ring, rows, run_both, simulate
 
 ALGORITHMS = ["jacobi", "gauss_seidel"]
@@ -68,7 +69,7 @@ def test_the_order_of_the_description_does_not_matter_without_cycles():
 def test_discrete_values_are_the_newest_in_gauss_seidel_and_one_step_old_in_jacobi():
     system = (
         [probe("a"), probe("b")],
-        [Connection("a.data.sequence", "b.number"), Connection("a.data.valid", "b.flag")],
+        [Link("a.data.sequence", "b.number"), Link("a.data.valid", "b.flag")],
     )
     newest = simulate(system, record=["b.echo", "b.flag_echo", "a.data"], **H)
     assert np.array_equal(newest["b.echo"], newest["a.data.sequence"])
@@ -78,7 +79,7 @@ def test_discrete_values_are_the_newest_in_gauss_seidel_and_one_step_old_in_jaco
 
 
 def test_a_discrete_value_is_never_interpolated():
-    system = ([probe("a"), probe("b", interpolates=True)], [Connection("a.data.value", "b.u")])
+    system = ([probe("a"), probe("b", interpolates=True)], [Link("a.data.value", "b.u")])
     recording = simulate(system, record=["b.slope", "b.seen", "a.data.value"], **H)
     assert not recording["b.slope"].any()
     assert np.array_equal(recording["b.seen"], recording["a.data.value"])
@@ -87,7 +88,7 @@ def test_a_discrete_value_is_never_interpolated():
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_start_values_are_right_at_the_first_exchange(algorithm):
     lags = [probe(f"lag{i}", start=float(i + 1)) for i in range(3)]
-    connections = [Connection(f"lag{i}.y", f"lag{(i + 1) % 3}.u") for i in range(3)]
+    connections = [Link(f"lag{i}.y", f"lag{(i + 1) % 3}.u") for i in range(3)]
     recording = simulate((lags, connections), algorithm=algorithm, record=["*.y", "*.current"], **H)
     assert [recording[f"lag{i}.y"][0] for i in range(3)] == [1.0, 2.0, 3.0]
     assert [recording[f"lag{i}.current"][0] for i in range(3)] == [103.0, 101.0, 102.0]
@@ -96,7 +97,7 @@ def test_start_values_are_right_at_the_first_exchange(algorithm):
 
 def test_outputs_computed_from_inputs_during_initialisation_reach_the_end_of_a_chain():
     lags = [probe("c"), probe("b"), probe("a", u=1.0)]  # against the direction of flow
-    system = (lags, [Connection("a.current", "b.u"), Connection("b.current", "c.u")])
+    system = (lags, [Link("a.current", "b.u"), Link("b.current", "c.u")])
     for algorithm in ALGORITHMS:
         recording = simulate(system, algorithm=algorithm, record=["*.current"], **H)
         assert [recording[f"{name}.current"][0] for name in "abc"] == [101.0, 201.0, 301.0]
@@ -115,7 +116,7 @@ def test_a_cycle_is_cut_at_the_first_component_and_reported():
 def test_connections_convert_units():
     system = (
         [probe("a", start=1.0), probe("b", interpolates=True)],
-        [Connection("a.y", "b.u", factor=9 / 5, offset=32.0)],
+        [Link("a.y", "b.u", factor=9 / 5, offset=32.0)],
     )
     for algorithm in ALGORITHMS:
         recording = simulate(system, algorithm=algorithm, record=["a.y", "b.u", "b.seen", "b.current"], **H)
@@ -125,22 +126,20 @@ def test_connections_convert_units():
 
 
 def test_a_plain_connection_keeps_every_bit():
-    system = ([probe("a", start=-0.0), probe("b")], [Connection("a.y", "b.u")])
+    system = ([probe("a", start=-0.0), probe("b")], [Link("a.y", "b.u")])
     recording = simulate(system, record=["a.y", "b.u", "b.seen"], **H)
     assert recording.values[0].tobytes() == np.full(3, -0.0).tobytes()
 
 
 def test_an_integer_may_feed_a_real():
-    system = ([probe("a"), probe("b")], [Connection("a.data.sequence", "b.u")])
+    system = ([probe("a"), probe("b")], [Link("a.data.sequence", "b.u")])
     recording = simulate(system, record=["b.seen", "a.data.sequence"], **H)
     assert np.array_equal(recording["b.seen"], recording["a.data.sequence"])
 
 
 def test_inputs_that_do_not_change_are_not_set_again():
     lags = [probe("a", start=1.0, u=1.0), probe("b")]  # a.y stays 1
-    plan = make_plan(
-        lags, [Connection("a.y", "b.u"), Connection("a.data.sequence", "b.number")], record=["b.sets"], **H
-    )
+    plan = make_plan(lags, [Link("a.y", "b.u"), Link("a.data.sequence", "b.number")], record=["b.sets"], **H)
     at_start, *later = compiled.run(plan)["b.sets"]
     assert later[-1] == at_start + 100  # the Integer alone, once in each step
 
@@ -190,7 +189,7 @@ def test_random_systems_run_alike_in_both_engines(seed, algorithm):
             if rng.random() < 0.8:
                 scale = {"factor": 0.5, "offset": -0.25} if target == "u" and rng.random() < 0.3 else {}
                 source = f"p{rng.integers(count)}.{rng.choice(names)}"
-                connections.append(Connection(source, f"p{i}.{target}", **scale))
+                connections.append(Link(source, f"p{i}.{target}", **scale))
     plan = make_plan(components, connections, step=0.02, stop=2.0, algorithm=algorithm)
     recording = run_both(plan)
     assert np.isfinite(recording.values).all()

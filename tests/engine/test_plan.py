@@ -4,7 +4,8 @@ import dataclasses
 
 import pytest
 
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.errors import NavfmuError
 from tests.engine.probe import chain, probe, ring
 
@@ -27,17 +28,17 @@ def plan(components=None, connections=(), **options):
 )
 def test_impossible_connections(connection, sentence):
     with pytest.raises(NavfmuError, match=sentence):
-        plan(connections=[Connection(*connection)])
+        plan(connections=[Link(*connection)])
 
 
 def test_an_input_with_two_sources():
     with pytest.raises(NavfmuError, match=r"input 'b.u' has two sources: 'a.y' and 'a.seen'"):
-        plan(connections=[Connection("a.y", "b.u"), Connection("a.seen", "b.u")])
+        plan(connections=[Link("a.y", "b.u"), Link("a.seen", "b.u")])
 
 
 def test_whole_numbers_cannot_be_scaled():
     with pytest.raises(NavfmuError, match="only Real values can be scaled"):
-        plan(connections=[Connection("a.echo", "b.number", factor=2.0)])
+        plan(connections=[Link("a.echo", "b.number", factor=2.0)])
 
 
 @pytest.mark.parametrize(

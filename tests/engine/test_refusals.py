@@ -8,7 +8,8 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from navfmu.engine import compiled, reference
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
 from navfmu.errors import NavfmuError
 from tests.engine.probe import probe
@@ -20,7 +21,7 @@ DISCARD, ERROR, FATAL, PENDING = 2, 3, 4, 5
 
 def plan(call, status, fail_at=0.5, **options):
     bad = probe("bad", fail_call=call, fail_status=status, fail_at=fail_at, label="sensor 100% out", **options)
-    system = [probe("good", start=1.0), bad], [Connection("good.y", "bad.u")]
+    system = [probe("good", start=1.0), bad], [Link("good.y", "bad.u")]
     return make_plan(*system, step=0.1, stop=1.0, record=["good.y", "bad.y"])
 
 

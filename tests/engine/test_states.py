@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from navfmu.engine.compiled import Compiled
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.engine.reference import Reference
 from navfmu.errors import NavfmuError
 from navfmu.faults import Fault
@@ -22,7 +23,7 @@ FAULTS = [
 
 def system():
     lags, connections = chain(4, interpolates=True, start=1.0, u=0.5)
-    return lags, [*connections, Connection("lag0.data.sequence", "lag1.number")]
+    return lags, [*connections, Link("lag0.data.sequence", "lag1.number")]
 
 
 @pytest.mark.parametrize("faults", [[], FAULTS], ids=["without faults", "with faults"])

@@ -8,7 +8,8 @@ import sys
 
 from navfmu.engine import compiled
 from navfmu.engine.blackbox import BlackBox
-from navfmu.engine.plan import Connection, Plan, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import Plan, make_plan
 from tests.engine.probe import probe
 
 WAYS = {"segfault": 10, "abort": 11, "exit": 12, "hang": 13}
@@ -21,7 +22,7 @@ def plan(way: str, call: str) -> Plan:
         bad = dataclasses.replace(probe("bad"), guid=f"{{dies}}{WAYS[way]}")
     else:
         bad = probe("bad", fail_call=CALLS[call], fail_status=WAYS[way], fail_at=0.45 * (call == "doStep"))
-    system = [probe("good", start=1.0), bad], [Connection("good.y", "bad.u")]
+    system = [probe("good", start=1.0), bad], [Link("good.y", "bad.u")]
     return make_plan(*system, step=0.1, stop=1.0, record=["good.y", "bad.y"], record_period=0.2)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from navfmu.engine import compiled
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.faults import Fault
 from tests.engine.probe import probe, rows, simulate
 
@@ -22,9 +23,9 @@ def run(*faults, algorithm="jacobi", record=RECORD, interpolates=True, step=H, *
     source = probe("source", **({"start": 2.0, "u": 2.0} | start))
     components = [source, probe("lag", interpolates=interpolates, start=2.0)]
     connections = [
-        Connection("source.y", "lag.u"),
-        Connection("source.data.sequence", "lag.number"),
-        Connection("source.data.valid", "lag.flag"),
+        Link("source.y", "lag.u"),
+        Link("source.data.sequence", "lag.number"),
+        Link("source.data.valid", "lag.flag"),
     ]
     return simulate((components, connections), step=step, stop=10.0, algorithm=algorithm, faults=faults, record=record)
 

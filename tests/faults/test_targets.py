@@ -2,7 +2,8 @@
 
 import pytest
 
-from navfmu.engine.plan import Connection, make_plan
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
 from navfmu.errors import NavfmuError
 from navfmu.faults.file import parse_faults
 from tests.engine.probe import probe
@@ -12,7 +13,7 @@ def plan(target, kind, start=0.0, duration="inf", step=0.1, **parameters):
     lines = [f'id = "x"\ntarget = "{target}"\ntype = "{kind}"\nstart = {start}\nduration = {duration}']
     lines += [f"{key} = {value}" for key, value in parameters.items()]
     faults = parse_faults("[[fault]]\n" + "\n".join(lines), "f.toml")
-    system = [probe("a"), probe("b")], [Connection("a.y", "b.u")]
+    system = [probe("a"), probe("b")], [Link("a.y", "b.u")]
     return make_plan(*system, step=step, stop=10.0, faults=faults)
 
 

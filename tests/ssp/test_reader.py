@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from navfmu import System
+from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError
 from navfmu.ssp import reader
 from navfmu.ssp.writer import SystemSource
@@ -123,7 +124,7 @@ def test_what_the_writer_writes_is_read_back(tmp_path):
     assert main.structure.stop_time == 10.0 and main.structure.step == 0.01
     assert main.values == {"sensor": {"bias[1]": 0.1, "bias[2]": 0.2, "bias[3]": 0.3}, "filter": {}}
     assert poor.values["sensor"] == {"bias[1]": 0.1, "bias[2]": 0.2, "bias[3]": 0.3, "seed": 7}
-    assert len(main.links) == 9 and all(link[2:] == (1.0, 0.0) for link in main.links)
+    assert len(main.links) == 9 and not any(link.scaled for link in main.links)
     assert main.structure.ignored == []
     assert reader.variants(file) == ["poor"]
     assert main.digest != poor.digest
@@ -131,19 +132,19 @@ def test_what_the_writer_writes_is_read_back(tmp_path):
 
 def test_units_convert_on_a_connection(folder):
     system = load(folder, ssd(wire("a.height", "b.altitude")))
-    assert system.links == (("a.height", "b.altitude", 0.3048, 0.0),)
+    assert system.links == (Link("a.height", "b.altitude", 0.3048, 0.0),)
 
 
 def test_a_linear_transformation_acts_after_the_conversion(folder):
     inner = '<ssc:LinearTransformation factor="2" offset="5"/>'
     system = load(folder, ssd(wire("a.height", "b.altitude", inner)))
-    assert system.links[0][2:] == (0.6096, 5.0)
+    assert system.links == (Link("a.height", "b.altitude", 0.6096, 5.0),)
 
 
 def test_conversion_can_be_suppressed(folder):
     inner = '<ssc:LinearTransformation factor="2"/>'
     system = load(folder, ssd(wire("a.height", "b.altitude", inner, suppressUnitConversion="true")))
-    assert system.links[0][2:] == (2.0, 0.0)
+    assert system.links == (Link("a.height", "b.altitude", 2.0, 0.0),)
 
 
 def test_a_connector_in_another_unit_than_its_variable_converts(folder):
@@ -151,11 +152,13 @@ def test_a_connector_in_another_unit_than_its_variable_converts(folder):
         '"altitude" kind="input"><ssc:Real/>', '"altitude" kind="input"><ssc:Real unit="ft"/>'
     )
     system = load(folder, ssd(wire("a.height", "b.altitude"), connectors=connectors))
-    assert system.links[0][2:] == pytest.approx((0.3048, 0.0))
+    (link,) = system.links
+    assert (link.factor, link.offset) == pytest.approx((0.3048, 0.0))
 
 
 def test_a_connection_written_from_input_to_output_is_turned_round(folder):
-    assert load(folder, ssd(wire("b.altitude", "a.height"))).links[0][:2] == ("a.height", "b.altitude")
+    (link,) = load(folder, ssd(wire("b.altitude", "a.height"))).links
+    assert (link.source, link.target) == ("a.height", "b.altitude")
 
 
 def test_parameters_convert_and_later_bindings_win(folder):
