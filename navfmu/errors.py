@@ -16,6 +16,12 @@ class NavfmuError(Exception):
     exit_code = 2
 
 
+class Interrupted(NavfmuError):
+    """The user stopped it."""
+
+    exit_code = 130  # as shells have it for Ctrl-C
+
+
 class NavfmuWarning(UserWarning):
     """A note about a run that the user should see: a cut cycle, a warning of an FMU, something without effect."""
 

@@ -10,11 +10,12 @@ import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from navfmu.campaign.crew import Crew
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
 from navfmu.campaign.runs import Run, runs_of
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import Interrupted, NavfmuError, nearest
 from navfmu.system.pool import Board, Report, in_threads
 
 WORKERS = ("process", "thread")
@@ -68,12 +69,6 @@ def run_campaign(
     return outcome
 
 
-class Interrupted(NavfmuError):
-    """The user stopped a campaign."""
-
-    exit_code = 130  # as shells have it for Ctrl-C
-
-
 def _steps(run: Run) -> int:
     return round(run.experiment.stop / run.experiment.step)
 
@@ -81,7 +76,11 @@ def _steps(run: Run) -> int:
 @contextlib.contextmanager
 def _hands(workers: str, timeout: float | None) -> Iterator[Callable[[Run, Path, Board], None]]:
     """Who flies a run."""
-    yield lambda run, folder, board: fly(run, folder, board.of(run.key, _steps(run)))
+    if workers == "thread":
+        yield lambda run, folder, board: fly(run, folder, board.of(run.key, _steps(run)))
+        return
+    with Crew(timeout) as crew:
+        yield lambda run, folder, board: crew.fly(run, folder, board.of(run.key, _steps(run)))
 
 
 @contextlib.contextmanager

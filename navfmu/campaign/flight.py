@@ -14,9 +14,9 @@ from navfmu.system.result import as_frame, write
 def fly(run: Run, folder: Path, progress: Callable[[int, int], None] | None = None, memory: Any = None) -> None:
     """Do the run; an FMU's refusal is kept as its result, with the rows recorded before."""
     try:
-        frame = run.experiment.run(progress)
+        frame = run.experiment.run(progress, memory)
     except RunError as error:
-        keep_failure(run, folder, {"error": str(error)}, error.recording)
+        keep_failure(run, folder, {"error": str(error), **error.place}, error.recording)
     else:
         frame.attrs["provenance"]["key"] = run.key
         write(frame, run.file(folder))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
+from navfmu.system import result
 
 if TYPE_CHECKING:
     from navfmu.campaign.definition import Campaign, Case
@@ -23,6 +25,12 @@ class Judged:
     run: Run
     findings: dict[str, Finding]
     error: str | None = None
+    notes: tuple[str, ...] = ()
+    not_finite: dict[str, int] = field(default_factory=dict)  # signal -> points at which it is NaN or infinite
+
+    def recording(self, folder: Path) -> Path:
+        """The file of what was recorded; of a run that failed, up to there."""
+        return self.run.partial(folder) if self.error is not None else self.run.file(folder)
 
 
 @dataclass(frozen=True)
@@ -62,8 +70,14 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Whether every requirement holds everywhere."""
-        return all(cell.passed for cell in self.cells) and not any(judged.error for judged in self.runs)
+        """Whether every requirement holds everywhere, every run ended well, and every number is one."""
+        ended_well = not any(judged.error or judged.not_finite for judged in self.runs)
+        return ended_well and all(cell.passed for cell in self.cells)
+
+    @property
+    def notes(self) -> dict[str, int]:
+        """What the runs noted, each sentence with the number of runs that did."""
+        return dict(Counter(note for judged in self.runs for note in judged.notes))
 
     @property
     def report(self) -> Path:
@@ -83,7 +97,12 @@ class Outcome:
         rows = []
         for judged in self.runs:
             head = {"variant": judged.run.variant, "case": judged.run.case.name, "seed": judged.run.seed}
-            tail = {"error": judged.error or "", "recording": f"runs/{judged.run.key}.parquet"}
+            tail = {
+                "error": judged.error or "",
+                "not_finite": " ".join(judged.not_finite),
+                "notes": " | ".join(judged.notes),
+                "recording": f"runs/{judged.recording(self.folder).name}",
+            }
             for requirement, finding in judged.findings.items():
                 rows.append(head | {"requirement": requirement} | finding.row() | tail)
             if not judged.findings:
@@ -122,7 +141,9 @@ def _judge_run(campaign: Campaign, run: Run, folder: Path) -> Judged:
     asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
     series = read_series(run.file(folder), [r.signal for r in asked])
     findings = {r.id: judge(r, series["time"], series[r.signal]) for r in asked}
-    return Judged(run, {name: finding for name, finding in findings.items() if finding is not None})
+    about = result.about(run.file(folder))
+    kept = {name: finding for name, finding in findings.items() if finding is not None}
+    return Judged(run, kept, None, tuple(about["notes"]), about["not_finite"])
 
 
 def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:

@@ -114,7 +114,7 @@ def wilson(count: int, total: int) -> tuple[float, float]:
     """95 % confidence interval (Wilson) of a share, in percent."""
     if total == 0:
         return 0.0, 100.0
-    z, p = 1.959963984540054, count / total
-    middle = (p + z * z / (2 * total)) / (1 + z * z / total)
-    half = z * math.sqrt(p * (1 - p) / total + z * z / (4 * total * total)) / (1 + z * z / total)
-    return 100 * max(0.0, middle - half), 100 * min(1.0, middle + half)
+    from scipy.stats import binomtest
+
+    interval = binomtest(count, total).proportion_ci(method="wilson")
+    return 100 * interval.low, 100 * interval.high

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
 from rich.console import Console
 from rich.table import Table
 
@@ -20,6 +21,14 @@ if TYPE_CHECKING:
     from navfmu.system.system import System
 
 SUMMARY = 40  # columns of a recording that are listed
+
+
+@click.command("info")
+@click.argument("file")
+@click.option("--variant", metavar="V", help="A sibling of the main system.")
+def command(file: str, variant: str | None) -> None:
+    """Show what an FMU or a system consists of."""
+    show(file, variant)
 
 
 def show(file: str, variant: str | None = None) -> None:

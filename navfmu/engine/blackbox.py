@@ -125,6 +125,14 @@ class BlackBox:
         """Where the run is, in words."""
         return whereabouts(self.plan, self.place)
 
+    def culprit(self) -> dict[str, str | float]:
+        """The component being called, the call, and the time (s); nothing while no component is being called."""
+        place = self.place
+        if not (0 <= place.component < len(self.plan.parts) and 0 <= place.call < len(NAMES)):
+            return {}
+        name = self.plan.parts[place.component].component.name
+        return {"component": name, "call": NAMES[place.call], "time": self.plan.clock.time(place.k)}
+
     def said(self) -> str:
         """What the FMU that is being called has complained about, or nothing."""
         number = self.place.component
@@ -136,6 +144,15 @@ class BlackBox:
         """The rows recorded so far; None before the row of t = 0."""
         count = min(max(self.place.rows, 0), self.plan.rows)
         return recording(self.plan, self.rows[:count].copy()) if count else None
+
+
+def steps_made(path: str | Path) -> int:
+    """How far the run is that writes this file, without its plan; 0 while there is no such file."""
+    with suppress(OSError), open(path, "rb") as file:
+        start = file.read(ctypes.sizeof(_Header))
+        if len(start) == ctypes.sizeof(_Header) and start.startswith(MAGIC):
+            return _Header.from_buffer_copy(start).place.k
+    return 0
 
 
 def size(plan: Plan) -> int:

@@ -191,7 +191,8 @@ class Compiled:
         if status == 4:
             self._fatal.add(number)
         name = self.plan.parts[number].component.name
-        raise RunError(refusal(name, call, status, when, text(self._logs[number].error)), partial)
+        sentence = refusal(name, call, status, when, text(self._logs[number].error))
+        raise RunError(sentence, partial, component=name, call=call, time=when)
 
     # ---- states ------------------------------------------------------------------------------------------------------
 

@@ -45,11 +45,11 @@ class Recording:
 
 
 class RunError(NavfmuError):
-    """An FMU refused a call. ``recording`` holds what was recorded before."""
+    """An FMU refused a call. ``recording`` holds what was recorded before; ``place``: component, call, time (s)."""
 
-    def __init__(self, sentence: str, recording: Recording | None = None) -> None:
+    def __init__(self, sentence: str, recording: Recording | None = None, **place: str | float) -> None:
         super().__init__(sentence)
-        self.recording = recording
+        self.recording, self.place = recording, place
 
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")

@@ -255,15 +255,13 @@ class Reference:
             self._refused.add(number)
             if error.status == 4:
                 self._fatal.add(number)
+            name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
             raise RunError(
-                refusal(
-                    self.plan.parts[number].component.name,
-                    error.function,
-                    error.status,
-                    self.plan.clock.time(self.k),
-                    text(self._logs[number].error),
-                ),
+                refusal(name, error.function, error.status, when, text(self._logs[number].error)),
                 self.recording() if self._initialised else None,
+                component=name,
+                call=error.function,
+                time=when,
             ) from None
 
 

@@ -25,6 +25,7 @@ from navfmu.system.provenance import environment, versions
 if TYPE_CHECKING:
     import pandas
 
+    from navfmu.engine.blackbox import BlackBox
     from navfmu.engine.plan import Plan
     from navfmu.faults import Fault
 
@@ -147,10 +148,15 @@ class Experiment:
             seed=1 if self.seed is None else self.seed,
         )
 
-    def run(self, progress: Callable[[int, int], None] | None = None) -> pandas.DataFrame:
+    def run(
+        self,
+        progress: Callable[[int, int], None] | None = None,
+        memory: Callable[[Plan], BlackBox] | None = None,
+    ) -> pandas.DataFrame:
         """Run it and return the recording as a table (:func:`navfmu.system.result.as_frame`).
 
-        ``progress`` is called with the steps made and all steps a few times a second.
+        ``progress`` is called with the steps made and all steps a few times a second. ``memory`` makes the file that
+        the compiled engine writes into, where another process is to read along (:mod:`navfmu.engine.blackbox`).
         """
         from navfmu.system.result import as_frame
 
@@ -162,7 +168,11 @@ class Experiment:
         else:
             from navfmu.engine import compiled
 
-            recording = compiled.run(plan, progress)
+            if memory is None:
+                recording = compiled.run(plan, progress)
+            else:
+                with memory(plan) as box:
+                    recording = compiled.run(plan, progress, box)
         frame = as_frame(recording)
         frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.warnings]
         frame.attrs["provenance"] = self.provenance()

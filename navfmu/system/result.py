@@ -48,7 +48,10 @@ def check_folder(folder: str | Path) -> Path:
 
 
 def as_frame(recording: Recording) -> pandas.DataFrame:
-    """A recording with time (s) as index and units in ``attrs``; Booleans and Integers in their own types."""
+    """A recording with time (s) as index; Booleans and Integers in their own types.
+
+    In ``attrs``: ``units`` by signal, and ``not_finite``, at how many points a signal is NaN or infinite.
+    """
     import numpy as np
     import pandas
 
@@ -57,6 +60,11 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
         columns[name] = values != 0.0 if kind == "Boolean" else values.astype(np.int64) if kind == "Integer" else values
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
+    frame.attrs["not_finite"] = {
+        name: int(np.count_nonzero(~np.isfinite(values)))
+        for name, values in zip(recording.names, recording.values.T, strict=True)
+        if not np.isfinite(values).all()
+    }
     return frame
 
 
@@ -65,6 +73,7 @@ def write(frame: pandas.DataFrame, path: str | Path) -> Path:
     path = check_target(path)
     about = {"units": frame.attrs.get("units", {})} | frame.attrs.get("provenance", {})
     about["notes"] = frame.attrs.get("notes", [])
+    about["not_finite"] = frame.attrs.get("not_finite", {})
     if path.suffix.lower() == ".csv":
         with replacing(path) as temporary:
             frame.to_csv(temporary, float_format=None)
@@ -93,7 +102,8 @@ def read(path: str | Path) -> pandas.DataFrame:
     except (OSError, ValueError, KeyError) as error:
         raise NavfmuError(f"{path}: cannot be read: {error}") from None
     about.pop("content", None)
-    frame.attrs = {"units": about.pop("units", {}), "notes": about.pop("notes", []), "provenance": about}
+    apart = {"units": about.pop("units", {}), "notes": about.pop("notes", [])}
+    frame.attrs = apart | {"not_finite": about.pop("not_finite", {}), "provenance": about}
     return frame
 
 
@@ -109,6 +119,13 @@ def check(path: str | Path, key: str | None = None) -> None:
         raise NavfmuError(f"{path}: is damaged: its numbers are not those that were written")
     if key is not None and about.get("key") != key:
         raise NavfmuError(f"{path}: is the recording of another run ({about.get('key') or 'without a key'})")
+
+
+def about(path: Path) -> dict[str, Any]:
+    """What a recording (Parquet) says of itself, without its numbers."""
+    from pyarrow import parquet
+
+    return json.loads(parquet.read_schema(path).metadata[b"navfmu"])
 
 
 def _read_parquet(path: Path) -> tuple[pyarrow.Table, dict[str, Any]]:

@@ -125,9 +125,9 @@ def test_the_same_run_writes_the_same_bytes(tmp_path):
 
 
 def test_commas_inside_brackets_do_not_separate_signals():
-    from navfmu.cli.main import _names
+    from navfmu.cli.options import names
 
-    assert _names(["a.C[1,2],b.x", " c "]) == ["a.C[1,2]", "b.x", "c"]
+    assert names(["a.C[1,2],b.x", " c "]) == ["a.C[1,2]", "b.x", "c"]
 
 
 def test_sweep_writes_table_picture_and_report(tmp_path):

@@ -1,0 +1,172 @@
+"""The worker processes of a campaign. An FMU that crashes, exits or hangs ends its worker and its own run, no more."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Thread
+from typing import Any
+
+from navfmu.campaign.flight import keep_failure
+from navfmu.campaign.runs import Run
+from navfmu.engine.blackbox import BlackBox, steps_made
+from navfmu.errors import NavfmuError
+
+Progress = Callable[[int, int], None]
+_PACKAGE = Path(__file__).resolve().parents[2]
+_LOOK = 0.1  # s between looks at a run under way
+
+
+class Crew:
+    """Workers, started when they are needed and used again; to be called from several threads."""
+
+    def __init__(self, timeout: float | None = None) -> None:
+        self._timeout = timeout
+        self._folder = tempfile.TemporaryDirectory(prefix="navfmu-campaign-", ignore_cleanup_errors=True)
+        self._idle: SimpleQueue[Worker] = SimpleQueue()
+        self._started = 0
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        while not self._idle.empty():
+            self._idle.get().end()
+        self._folder.cleanup()
+
+    def fly(self, run: Run, folder: Path, progress: Progress) -> None:
+        """Have the run flown; whatever becomes of it is kept in the folder."""
+        try:
+            worker = self._idle.get_nowait()
+        except Empty:
+            self._started += 1
+            worker = Worker(Path(tempfile.mkdtemp(prefix="worker-", dir=self._folder.name)))
+        try:
+            worker.fly(run, folder, progress, self._timeout)
+        except BaseException:
+            worker.end()
+            raise
+        if worker.alive:
+            self._idle.put(worker)
+
+
+class Worker:
+    """One worker process."""
+
+    def __init__(self, folder: Path) -> None:
+        self._box, self._log = folder / "box", folder / "log"
+        apart: dict[str, Any] = {"start_new_session": True}  # Ctrl-C is for the campaign, which then ends its workers
+        if os.name == "nt":
+            apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+        paths = [str(_PACKAGE), os.environ.get("PYTHONPATH", "")]
+        with open(self._log, "wb") as log:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "navfmu.campaign.worker"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                text=True,
+                encoding="utf-8",
+                env=os.environ | {"PYTHONPATH": os.pathsep.join(path for path in paths if path)},
+                **apart,
+            )
+        self._answers: SimpleQueue[dict[str, Any] | None] = SimpleQueue()
+        Thread(target=self._listen, daemon=True).start()
+        self._ready = False
+
+    @property
+    def alive(self) -> bool:
+        """Whether it can fly another run."""
+        return self._process.poll() is None
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self._process.kill()
+        self._process.wait()
+
+    def fly(self, run: Run, folder: Path, progress: Progress, timeout: float | None) -> None:
+        """Have it fly a run, and keep the reason where it does not come back."""
+        while not self._ready:  # imports take a moment
+            answer = self._answer(None, lambda: progress(0, 1))
+            if answer is None:
+                raise NavfmuError(f"a worker process could not start: {self._last_words() or self._ending()}")
+            self._ready = "ready" in answer
+        self._box.unlink(missing_ok=True)
+        about = {"experiment": run.experiment.describe(), "variant": run.variant, "case": run.case.name, "key": run.key}
+        self._send(about | {"folder": str(folder.resolve()), "box": str(self._box)})
+        end = None if timeout is None else time.monotonic() + timeout
+        steps = round(run.experiment.stop / run.experiment.step)
+
+        def look() -> None:
+            progress(min(steps_made(self._box), steps - 1), steps)  # the last one counts when the recording is written
+
+        try:
+            answer = self._answer(end, look)
+        except TimeoutError:
+            self.end()
+            return self._lost(run, folder, f"took longer than the timeout of {timeout:g} s")
+        if answer is None:
+            self._process.wait()
+            return self._lost(run, folder, self._ending())
+        if "refused" in answer:
+            raise NavfmuError(answer["refused"])
+        if "broken" in answer:
+            raise RuntimeError(f"a worker process failed:\n{answer['broken']}")
+        return progress(steps, steps)
+
+    def _answer(self, end: float | None, look: Callable[[], None]) -> dict[str, Any] | None:
+        """The next message; None when the process has ended."""
+        while True:
+            look()
+            try:
+                return self._answers.get(timeout=_LOOK)
+            except Empty:
+                if end is not None and time.monotonic() > end:
+                    raise TimeoutError from None
+
+    def _listen(self) -> None:
+        for line in self._process.stdout:
+            self._answers.put(json.loads(line))
+        self._answers.put(None)
+
+    def _send(self, message: dict[str, Any]) -> None:
+        with suppress(OSError):  # it has ended: there will be no answer, which tells why
+            self._process.stdin.write(json.dumps(message) + "\n")
+            self._process.stdin.flush()
+
+    def _ending(self) -> str:
+        """How the process ended, in words."""
+        code = self._process.returncode
+        if code < 0:
+            name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+            more = {"SIGSEGV": ", a wrong access to memory", "SIGKILL": ", perhaps for lack of memory"}.get(name, "")
+            return f"crashed ({name}{more})"
+        if code > 0xFF:
+            return f"crashed (exception {code:#010x})"
+        return f"ended the process with exit code {code}"
+
+    def _lost(self, run: Run, folder: Path, what: str) -> None:
+        """Keep why a run did not come back, and the rows that it left."""
+        about: dict[str, Any] = {"error": f"the run {what}"}
+        recording = None
+        if self._box.is_file():
+            with BlackBox.open(self._box, run.experiment.plan()) as box:
+                about = {"error": f"{box.whereabouts()}: the run {what}", **box.culprit()}
+                said = box.said() or self._last_words()
+                about["error"] += f": {said}" if said else ""
+                recording = box.recording()
+        keep_failure(run, folder, about, recording)
+
+    def _last_words(self) -> str:
+        """The last line that the process, or an FMU in it, has printed."""
+        lines = self._log.read_bytes()[-4096:].decode("utf-8", "replace").split("\n")
+        return next((line.strip() for line in reversed(lines) if line.strip()), "")

@@ -1,0 +1,76 @@
+"""A worker process: flies the runs that it is told of, one after the other. ``python -m navfmu.campaign.worker``.
+
+One JSON object a line comes in on standard input, one goes out for each on a copy of standard output; what FMUs print
+goes to standard error. When the campaign's own process is gone, standard input ends, and so does the worker, even
+in the middle of an FMU that never returns.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any, TextIO
+
+from navfmu.campaign.definition import Case
+from navfmu.campaign.flight import fly
+from navfmu.campaign.runs import Run
+from navfmu.engine.blackbox import BlackBox
+from navfmu.errors import NavfmuError
+from navfmu.system.experiment import Experiment
+from navfmu.system.system import System
+
+
+def main() -> None:
+    """Answer requests until there are no more."""
+    out = _own_output()
+    requests: SimpleQueue[str] = SimpleQueue()
+    Thread(target=_listen, args=(requests,), daemon=True).start()
+    systems: dict[tuple[str, str | None], System] = {}
+    say(out, {"ready": True})
+    while True:
+        request = json.loads(requests.get())
+        try:
+            _fly(request, systems)
+            answer: dict[str, Any] = {"done": True}
+        except NavfmuError as error:
+            answer = {"refused": str(error)}
+        except Exception:
+            answer = {"broken": traceback.format_exc()}
+        say(out, answer)
+
+
+def _own_output() -> TextIO:
+    """Standard output for the campaign alone: FMUs print to standard error from now on."""
+    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    return out
+
+
+def _listen(requests: SimpleQueue[str]) -> None:
+    for line in sys.stdin:
+        requests.put(line)
+    os._exit(0)
+
+
+def say(out: TextIO, message: dict[str, Any]) -> None:
+    """Send a message to the campaign."""
+    print(json.dumps(message), file=out, flush=True)
+
+
+def _fly(request: dict[str, Any], systems: dict[tuple[str, str | None], System]) -> None:
+    about = request["experiment"]
+    place = about["system"], about["variant"]
+    if place not in systems:
+        systems[place] = System.load(*place)
+    experiment = Experiment.restored(about, systems[place])
+    run = Run(request["variant"], Case(request["case"]), experiment, request["key"])
+    fly(run, Path(request["folder"]), memory=lambda plan: BlackBox.create(request["box"], plan))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+"""What ``run`` and ``sweep`` have in common: the options that say which system is run and how."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from navfmu.errors import NavfmuError
+
+if TYPE_CHECKING:
+    from navfmu.system.system import System
+
+
+def system_options(command: Callable) -> Callable:
+    """Options that say which system is run and how; shared by ``run`` and ``sweep``."""
+    options = [
+        click.argument("system"),
+        click.option("--variant", metavar="V", help="A sibling of the main system."),
+        click.option("--set", "assignments", multiple=True, metavar="COMPONENT.PARAMETER=VALUE",
+                     help="Change a parameter; a unit may follow the value: 'imu.gyro_drift_sigma=1 deg/h'."),
+        click.option("--faults", multiple=True, metavar="FILE",
+                     help="Fault file (TOML), or the name of one inside the system; may be repeated."),
+        click.option("--fault", "entries", multiple=True, metavar="ENTRIES",
+                     help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
+        click.option("--stop", type=float, metavar="S", help="End of the run, s."),
+        click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
+    """The system, and the arguments of an experiment, from the options that ``run`` and ``sweep`` share."""
+    from navfmu.faults import parse_fault
+    from navfmu.system.system import System
+
+    loaded = System.load(system, given.pop("variant"))
+    inline = [parse_fault(text, "--fault") for text in given.pop("entries")]
+    given["faults"] = [*given["faults"], *inline]
+    given["parameters"] = assigned(given.pop("assignments"))
+    given["record"] = names(given.pop("signals")) or None
+    return loaded, given
+
+
+def names(signals: Iterable[str]) -> list[str]:
+    """Names from repeated options and lists with commas; the comma in ``C[1,2]`` does not separate."""
+    return [name.strip() for text in signals for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+
+
+def numbers(text: str, option: str) -> list[float]:
+    values = []
+    for part in text.split(","):
+        try:
+            values.append(float(part))
+        except ValueError:
+            raise NavfmuError(
+                f"{option}: '{part.strip()}' is not a number; expected, for example, 0.01,0.1,1"
+            ) from None
+    return values
+
+
+def assigned(texts: Iterable[str]) -> dict[str, str]:
+    parameters = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or "." not in name or not value.strip():
+            raise NavfmuError(f"--set '{text}': expected component.parameter=value")
+        if name.strip() in parameters:
+            raise NavfmuError(f"--set '{text}': '{name.strip()}' is set twice")
+        parameters[name.strip()] = value.strip()
+    return parameters
+
+
+def tell(notes: Iterable[str]) -> None:
+    for note in notes:
+        click.echo(f"note: {note}", err=True)

@@ -1,0 +1,36 @@
+"""``navfmu run``: one experiment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from navfmu.cli.options import load, system_options, tell
+
+
+@click.command("run")
+@system_options
+@click.option("--step", type=float, metavar="S", help="Communication step size, s.")
+@click.option("--algorithm", default="gauss_seidel", show_default=True, metavar="A", help="gauss_seidel or jacobi.")
+@click.option("--engine", default="compiled", show_default=True, metavar="E", help="compiled or reference.")
+@click.option("--record", "signals", multiple=True, metavar="SIGNAL",
+              help="Signal, array, bundle or pattern to record; may be repeated or a list with commas.")  # fmt: skip
+@click.option("--record-period", type=float, metavar="S", help="Time between recorded values, s.")
+@click.option("--out", metavar="FILE", help="Write the recording to FILE.parquet or FILE.csv.")
+def command(system: str, out: str | None, **given: Any) -> None:
+    """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
+    from navfmu.system import result
+    from navfmu.terminal.progress import Progress
+
+    if out is not None:
+        result.check_target(out)
+    loaded, given = load(system, given)
+    with Progress(loaded.name) as progress:
+        frame = loaded.experiment(**given).run(progress)
+    tell(frame.attrs["notes"])
+    if out is not None:
+        result.write(frame, out)
+    from navfmu.cli.info import summarise
+
+    summarise(frame, out)

@@ -1,0 +1,58 @@
+"""Ctrl-C ends a command with one sentence and exit code 130, also while an FMU that never returns is being called."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from navfmu.errors import Interrupted
+
+PATIENCE = 2.0  # s until a command that does not hear is ended from outside
+
+
+@contextmanager
+def as_a_sentence() -> Iterator[None]:
+    """What happens inside may be interrupted at any time."""
+    try:
+        with _watched():
+            yield
+    except KeyboardInterrupt:
+        raise Interrupted("interrupted; nothing was written") from None
+
+
+@contextmanager
+def _watched() -> Iterator[None]:
+    """Python hears a signal between two of its instructions: not before the call of an FMU returns. A thread does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard, over = threading.Event(), threading.Event()
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+
+    def hear(number: int, frame: object) -> None:
+        heard.set()
+        raise KeyboardInterrupt
+
+    def watch() -> None:
+        with suppress(OSError):
+            while data := os.read(reader, 1):
+                if data[0] == signal.SIGINT and not heard.wait(PATIENCE) and not over.is_set():
+                    print("navfmu: interrupted while an FMU did not return; nothing was written", file=sys.stderr)
+                    sys.stderr.flush()
+                    os._exit(Interrupted.exit_code)
+
+    before = signal.signal(signal.SIGINT, hear)
+    old = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        yield
+    finally:
+        over.set()
+        signal.set_wakeup_fd(old)
+        signal.signal(signal.SIGINT, before)
+        os.close(writer)
