@@ -15,20 +15,6 @@ from navfmu.files.writing import write_file
 from navfmu.system.experiment import Experiment
 from navfmu.system.result import check
 
-REPORT_SIGNALS = (  # recorded where the system has them, for the pictures of the report
-    "aircraft.latitude",
-    "aircraft.longitude",
-    "navigator.solution.latitude",
-    "navigator.solution.longitude",
-    "evaluation.horizontal_error",
-    "evaluation.north_error",
-    "evaluation.east_error",
-    "navigator.north_sigma",
-    "navigator.east_sigma",
-    "navigator.mode",
-    "gps.fix.valid",
-)
-
 
 @dataclass(frozen=True)
 class Run:
@@ -115,10 +101,7 @@ def record_of(campaign: Campaign, variant: str, case: str) -> list[str]:
     system = campaign.systems[variant]
     wanted = [r.signal for r in campaign.requirements if r.applies(variant, case)]
     wanted += system.signals(campaign.record) if campaign.record else []
-    for name in REPORT_SIGNALS:
-        component, _, variable = name.partition(".")
-        if component in system.fmus and variable in system.fmus[component].description.by_name:
-            wanted.append(name)
+    wanted += system.report.signals(system.fmus) if system.report else []
     return list(dict.fromkeys(wanted)) or system.signals()
 
 

@@ -117,7 +117,7 @@ def _table(content: Any, model: type[Table], place: Place) -> tuple[type[Table],
             if field is None or part not in value:
                 break
         value = value[part]
-        kind = None if field is None else _inner(field.annotation)
+        kind = None if field is None else _inner(field.annotation, value)
         if kind is not None and isinstance(value, dict) and (isinstance(part, int) or not _of_tables(field)):
             found, depth, field = (kind, value), number, None
     return *found, place[:depth]
@@ -127,11 +127,23 @@ def _field(table: type[Table], key: str) -> Any:
     return next((field for name, field in table.model_fields.items() if key == (field.alias or name)), None)
 
 
-def _inner(annotation: Any) -> type[Table] | None:
-    """The class of tables in an annotation such as ``list[Case] | None``."""
+def _inner(annotation: Any, value: Any = None) -> type[Table] | None:
+    """The class of tables in an annotation such as ``list[Case] | None``; of several the one of the value's kind."""
+    classes = _classes(annotation)
+    of_kind = (c for c in classes if isinstance(value, dict) and value.get("kind") in _literals(c))
+    return next(of_kind, classes[0] if classes else None)
+
+
+def _classes(annotation: Any) -> list[type[Table]]:
     if isinstance(annotation, type) and get_origin(annotation) is None:
-        return annotation if issubclass(annotation, Table) else None
-    return next((kind for part in get_args(annotation) if (kind := _inner(part)) is not None), None)
+        return [annotation] if issubclass(annotation, Table) else []
+    return [kind for part in get_args(annotation) for kind in _classes(part)]
+
+
+def _literals(table: type[Table]) -> tuple[Any, ...]:
+    """The kinds that a class of tables is for."""
+    field = _field(table, "kind")
+    return () if field is None else get_args(field.annotation)
 
 
 def _of_tables(field: Any) -> bool:

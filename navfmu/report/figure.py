@@ -31,12 +31,19 @@ _lock = Lock()
 
 @contextmanager
 def figure(
-    rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 4.5), below: float = 0.0, **options: Any
+    rows: int = 1,
+    columns: int = 1,
+    size: tuple[float, float] = (9.0, 4.5),
+    below: float = 0.0,
+    above: float = 0.0,
+    left: float = 0.75,
+    right: float = 0.15,
+    **options: Any,
 ) -> Iterator[Any]:
     """Yield (figure, axes) with the common style; not through pyplot, so that nothing global is kept.
 
     Margins are fixed lengths (inch): a layout that measures its texts would draw everything twice. ``below`` is room
-    for legends under the axes.
+    for legends under the axes, ``above`` for what stands between the first panel and its title.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -47,14 +54,21 @@ def figure(
         drawing = Figure(figsize=size)
         FigureCanvasAgg(drawing)
         drawing.subplots_adjust(
-            left=0.75 / width,
-            right=1 - 0.15 / width,
+            left=left / width,
+            right=1 - right / width,
             bottom=(0.5 + below) / height,
-            top=1 - 0.35 / height,
+            top=1 - (0.35 + above) / height,
             wspace=0.08 if options.get("sharey") else 0.3,
             hspace=0.25,
         )
         yield drawing, drawing.subplots(rows, columns, **options)
+
+
+def title(drawing: Figure, axis: Any, text: str, pad: float = 6.0) -> None:
+    """A title of a panel, in letters small enough to fit over it; ``pad`` (points) is its distance."""
+    room = axis.get_position().width * drawing.get_figwidth()
+    wide = 0.0094 * len(text)  # inch for each point of the size of letters
+    axis.set_title(text, pad=pad, fontsize=max(5.0, min(11.0, room / max(wide, 1e-9))))
 
 
 def png(drawing: Figure, dpi: int = 110) -> bytes:

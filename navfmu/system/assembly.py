@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,8 +21,7 @@ from navfmu.system import shipped
 
 if TYPE_CHECKING:
     from navfmu.faults import Fault
-
-NAVIGATION = ("evaluation", "navigator")  # components whose outputs are recorded when no signal is named
+    from navfmu.system.report_file import ReportFile
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,18 +134,41 @@ class Assembly:
     def signals(self, record: Sequence[str] | None = None) -> list[str]:
         """Names to record: those given, where the name of a component stands for all its outputs.
 
-        Without names: the outputs of the evaluation and the navigator, or else all outputs.
+        Without names: what the system's report file says, or else all outputs.
         """
         if record is not None:
             names = [record] if isinstance(record, str) else record
             return [f"{name}.*" if name in self.fmus else name for name in names]
-        chosen = [name for name in NAVIGATION if name in self.fmus] or list(self.fmus)
+        named = self.report.recorded(self.fmus) if self.report else []
         return [
-            f"{name}.{variable.name}"
-            for name in chosen
-            for variable in self.fmus[name].description.variables
-            if variable.causality == "output" and variable.type != "String"
+            signal for name in named or self.fmus for signal in (self._outputs(name) if name in self.fmus else [name])
         ]
+
+    def _outputs(self, component: str) -> list[str]:
+        variables = self.fmus[component].description.variables
+        return [f"{component}.{v.name}" for v in variables if v.causality == "output" and v.type != "String"]
+
+    @cached_property
+    def report(self) -> ReportFile | None:
+        """What the system says about its report, checked against it and its other variants; None without a file."""
+        if self.structure.file.suffix.lower() != ".ssd":
+            return None
+        folder, origin = self.structure.file.parent, self.structure.origin
+        for inside in ("extra/report.toml", "report.toml"):
+            if (folder / inside).is_file():
+                from navfmu.system.report_file import ReportFile
+
+                packed = origin.is_file() and origin != self.structure.file
+                label = f"{origin}: {inside}" if packed else str(folder / inside)
+                return ReportFile.read(folder / inside, label, self.fmus, self._siblings)
+        return None
+
+    def _siblings(self) -> Iterator[Mapping[str, Fmu]]:
+        """The FMUs of the other variants, opened one after the other; of those that can be."""
+        for file in sorted(self.structure.file.parent.glob("*.ssd")):
+            if file != self.structure.file:
+                with suppress(NavfmuError):
+                    yield type(self).load(file).fmus
 
     # -- checks --------------------------------------------------------------------------------------------------
 

@@ -55,6 +55,7 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
     add_variants(system)
     for file in sorted((HERE / "faults").glob("*.toml")):
         system.attach(f"faults/{file.name}", file)
+    system.attach("report.toml", HERE / "report.toml")
     return system
 
 

@@ -1,0 +1,96 @@
+"""Signals of one run over time: a panel for each unit, every curve named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from navfmu.errors import NavfmuError
+from navfmu.files.schema import Field
+from navfmu.report import shading
+from navfmu.report.figure import COLOURS, figure, png, title
+from navfmu.report.finite import remark
+from navfmu.report.kind import Picture as Base
+from navfmu.report.scene import Drawn, Scene, with_unit
+
+STYLES = ("-", "--")
+CURVES = len(STYLES) * len(COLOURS)  # in a panel; more would look alike
+PANELS = 40
+ENTRY = 0.165  # inch for each line of a legend
+LETTER = 0.062  # inch, in a legend
+
+
+class Picture(Base):
+    """Signals of one run over time, one panel for each unit."""
+
+    kind: Literal["lines"]
+    signals: list[str] = Field(min_length=1, description="the signals")
+
+    def needs(self) -> list[str]:
+        return list(self.signals)
+
+    def draw(self, scene: Scene) -> Drawn:
+        text = ", ".join(self.signals) if len(self.signals) <= 3 else f"{len(self.signals)} signals"
+        heading = scene.titled(f"{text}, {scene.shown.name}" if scene.shown.name else text)
+        missing = [name for name in self.signals if not np.isfinite(scene.shown[name]).all()]
+        caption = f"Not finite at some points: {', '.join(missing)}." if missing else ""
+        return Drawn(draw(scene, self.signals, heading), heading, caption)
+
+
+def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
+    """The picture of the shown run as PNG."""
+    run, panels = scene.shown, arrange(scene, signals)
+    labels = {name: _label(scene, name) for name in signals}
+    heights = [max(1.7, 0.35 + ENTRY * len(names)) for _, names in panels]
+    right = 0.75 + LETTER * max(len(label) for label in labels.values())
+    above = shading.height(scene.windows)
+    size = (7.9 + right, 0.85 + above + sum(heights) + 0.3 * (len(heights) - 1))
+    options = {"sharex": True, "squeeze": False, "gridspec_kw": {"height_ratios": heights}}
+    with figure(len(panels), 1, size=size, above=above, left=0.95, right=right, **options) as (drawing, grid):
+        axes = list(grid[:, 0])
+        for axis, (unit, names) in zip(axes, panels, strict=True):
+            for number, name in enumerate(names):
+                style = STYLES[number // len(COLOURS)]
+                draws = "default" if run.signals[name].dtype.kind == "f" else "steps-post"
+                colour = COLOURS[number % len(COLOURS)]
+                axis.plot(run.time, run[name], style, color=colour, lw=1.1, drawstyle=draws, label=labels[name])
+                bad = run.time[~np.isfinite(run[name])]
+                axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform())
+            axis.set_ylabel(unit)
+            if unit == "false, true":
+                axis.set_yticks([0, 1])
+            axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0)
+        pad = shading.shade(drawing, axes, scene.windows, run.time[0], run.time[-1])
+        title(drawing, axes[0], heading, pad)
+        axes[-1].set_xlabel("time, s")
+        if run.time[-1] > run.time[0]:
+            axes[-1].set_xlim(run.time[0], run.time[-1])
+        return png(drawing)
+
+
+def arrange(scene: Scene, signals: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """The text on the axis and the signals of each panel: by unit, in the order in which they are named."""
+    units: dict[str, list[str]] = {}
+    for name in dict.fromkeys(signals):
+        boolean = scene.shown.signals[name].dtype.kind == "b"
+        units.setdefault("false, true" if boolean else scene.unit(name) or "1", []).append(name)
+    panels = []
+    for unit, names in units.items():
+        size = math.ceil(len(names) / math.ceil(len(names) / CURVES))
+        panels += [(unit, names[at : at + size]) for at in range(0, len(names), size)]
+    if len(panels) > PANELS:
+        raise NavfmuError(f"{len(signals)} signals need {len(panels)} panels, expected at most {PANELS}; name fewer")
+    return panels
+
+
+def _label(scene: Scene, name: str) -> str:
+    """The entry of a legend; of a curve that is flat, or not all there, it says so."""
+    values, missing = scene.shown[name], remark([scene.shown[name]])
+    if missing:
+        return f"{name}\n{missing.upper()}"
+    if scene.shown.signals[name].dtype.kind != "b" and values.size and np.all(values == values[0]):
+        return f"{name} (always {with_unit(f'{values[0]:.6g}', scene.unit(name))})"
+    return name

@@ -1,0 +1,89 @@
+"""What pictures and statistics are made from: recorded runs as plain numbers, with the texts and bounds around them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One run: its name in legends ("seed 3"), its times (s) and its signals, all of one length."""
+
+    name: str
+    time: np.ndarray
+    signals: Mapping[str, np.ndarray]
+
+    def __getitem__(self, signal: str) -> np.ndarray:
+        """The values of a signal as numbers; false is 0 and true is 1."""
+        return np.asarray(self.signals[signal], np.float64)
+
+
+@dataclass(frozen=True)
+class Window:
+    """A time in which something is different, a fault for instance; shaded in pictures. Times in s."""
+
+    name: str
+    start: float
+    end: float = math.inf
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What a requirement asks of a signal from ``start`` to ``end`` (s), in the signal's unit."""
+
+    name: str
+    signal: str
+    least: float | None
+    most: float | None
+    unit: str
+    start: float = 0.0
+    end: float = math.inf
+
+    def window(self, time: np.ndarray) -> np.ndarray:
+        """Which points in time lie in it."""
+        return (time >= self.start - 1e-9) & (time <= self.end + 1e-9)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The runs of one variant in one case, or a single one."""
+
+    label: str  # "scanning, gps_lost": the beginning of titles; may be empty
+    runs: tuple[Recorded, ...]
+    shown: Recorded  # the run that is shown where only one can be
+    units: Mapping[str, str]  # of the signals; "" or missing where there is none
+    windows: tuple[Window, ...] = ()
+    bounds: tuple[Bound, ...] = ()
+    constants: Mapping[str, Any] = field(default_factory=dict)  # start values; lists for arrays
+
+    def titled(self, text: str) -> str:
+        """A title with the label in front."""
+        return f"{self.label}: {text}" if self.label else text
+
+    def unit(self, signal: str) -> str:
+        """The unit of a signal, or ""."""
+        return self.units.get(signal) or ""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A picture; the title says what is to be seen in it."""
+
+    png: bytes
+    title: str
+    caption: str = ""
+
+
+def words(signal: str) -> str:
+    """The last part of a signal's name in words: "horizontal error"."""
+    return signal.removesuffix("@true").rpartition(".")[2].replace("_", " ")
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A number or a name with its unit after it, where it has one."""
+    return text if unit in ("", "1") else f"{text} {unit}"

@@ -1,0 +1,50 @@
+"""Grey where a fault is present, and a strip above the picture that names it: legends stay for the curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from navfmu.report.figure import GREY
+from navfmu.report.scene import Window
+
+ROW = 0.17  # inch for each row of the strip
+POINTS = 72.0  # in an inch
+
+
+def height(windows: Sequence[Window]) -> float:
+    """Inches above the first panel that the strip needs."""
+    return ROW * len(_rows(windows))
+
+
+def shade(drawing: Any, axes: Sequence[Any], windows: Sequence[Window], first: float, last: float) -> float:
+    """Shade the windows in all panels, from the times ``first`` to ``last`` (s) that are drawn.
+
+    Returns the distance (points) at which the title of the first panel stands above it.
+    """
+    top = axes[0]
+    inches = top.get_position().height * drawing.get_figheight()
+    rows = _rows(windows)
+    for number, (start, end, text) in enumerate(rows):
+        begin, finish = min(max(start, first), last), max(min(end, last), first)
+        for axis in axes:
+            axis.axvspan(begin, finish, color=GREY, alpha=0.10, linewidth=0)
+        low = 1.0 + ROW * (len(rows) - 1 - number) / inches
+        high = low + 0.8 * ROW / inches
+        across = top.get_xaxis_transform()
+        top.fill_between([begin, finish], low, high, color=GREY, alpha=0.25, lw=0, transform=across, clip_on=False)
+        late = begin > first + 0.7 * (last - first)
+        top.text(
+            last if late else begin, (low + high) / 2, f"{text} " if late else f" {text}", transform=across,
+            ha="right" if late else "left", va="center_baseline", fontsize=7.5,
+        )  # fmt: skip
+    return 6.0 + POINTS * height(windows)
+
+
+def _rows(windows: Sequence[Window]) -> list[tuple[float, float, str]]:
+    """Start, end and text of each row: what begins and ends together shares one."""
+    times = dict.fromkeys((w.start, w.end) for w in sorted(windows, key=lambda w: (w.start, w.end)))
+    return [
+        (start, end, ", ".join(dict.fromkeys(w.name for w in windows if (w.start, w.end) == (start, end))))
+        for start, end in times
+    ]

@@ -1,0 +1,180 @@
+"""What a system says about its report: ``report.toml``, beside its documents or under ``extra/`` of its package.
+
+record = ["evaluation", "navigator"]        # recorded when nothing is named
+
+[[picture]]
+kind = "percentiles"                        # the kinds are the files in navfmu/report/pictures
+signal = "evaluation.horizontal_error"
+
+[[statistic]]                               # ... and in navfmu/report/statistics
+...
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import reduce
+from operator import or_
+from pathlib import Path
+from typing import Annotated, Any
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.files.schema import Field, Table, Texts, validated
+from navfmu.files.toml import Document, read_text
+from navfmu.fmi.fmu import Fmu, Variable
+from navfmu.fmi.values import group
+from navfmu.report import pictures, statistics
+from navfmu.report.kind import Kind, Picture, Statistic, kinds
+
+PICTURES: dict[str, type[Picture]] = kinds(pictures, "Picture")
+STATISTICS: dict[str, type[Statistic]] = kinds(statistics, "Statistic")
+Fmus = Mapping[str, Fmu]  # of one variant, by component
+
+
+def _one_of(classes: Mapping[str, type[Kind]]) -> Any:
+    several = reduce(or_, classes.values())
+    return Annotated[several, Field(discriminator="kind")] if len(classes) > 1 else several
+
+
+class Content(Table):
+    """What may stand in a report file."""
+
+    record: Texts = Field([], description="components, bundles or signals that are recorded when nothing is named")
+    picture: list[_one_of(PICTURES)] = Field([], description="pictures, in the order of the report")
+    statistic: list[_one_of(STATISTICS)] = Field([], description="statistics of campaigns")
+
+
+@dataclass(frozen=True)
+class ReportFile:
+    """A report file that fits its system."""
+
+    path: str
+    record: tuple[str, ...]
+    pictures: tuple[Picture, ...]
+    statistics: tuple[Statistic, ...]
+
+    @classmethod
+    def read(cls, path: str | Path, label: str, fmus: Fmus, others: Callable[[], Iterable[Fmus]] = tuple) -> ReportFile:
+        """Read a file (called ``label`` in messages) and check all its names against a system.
+
+        What ``fmus`` do not have, one of the ``others`` (the other variants, opened only then) must have.
+        """
+        document = Document(read_text(path, "report file"), label)
+        for entry, classes in (("picture", PICTURES), ("statistic", STATISTICS)):
+            _check_kinds(document, entry, classes)
+        content = validated(document, Content)
+        made = cls(label, tuple(content.record), tuple(content.picture), tuple(content.statistic))
+        made._check(document, fmus, others)
+        return made
+
+    def recorded(self, fmus: Fmus) -> list[str]:
+        """Of the names in ``record`` those that the variant with these FMUs has."""
+        return [name for name in self.record if _recordable(name, fmus)]
+
+    def signals(self, fmus: Fmus) -> list[str]:
+        """What the pictures and statistics need that can be made of the variant with these FMUs."""
+        entries = (*self.pictures, *self.statistics)
+        return list(dict.fromkeys(name for e in entries if not missing(e, fmus) for name in e.needs()))
+
+    def _check(self, document: Document, fmus: Fmus, others: Callable[[], Iterable[Fmus]]) -> None:
+        for number, name in enumerate(self.record):
+            if not _recordable(name, fmus) and not any(_recordable(name, other) for other in others()):
+                raise document.error(f"'record': {_unknown(name, fmus)}", "record", number)
+        for kind, entries in (("picture", self.pictures), ("statistic", self.statistics)):
+            for number, entry in enumerate(entries):
+                for name in missing(entry, fmus):
+                    if not any(_found(name, other, name in entry.constants()) for other in others()):
+                        place = _place(document.content[kind][number], name, (kind, number))
+                        raise document.error(f"{kind} '{entry.kind}': {_unknown(name, fmus)}", *place)
+                if not missing(entry, fmus):
+                    try:
+                        entry.check(units(entry, fmus))
+                    except NavfmuError as error:
+                        raise document.error(f"{kind} '{entry.kind}': {error}", kind, number) from None
+        names = [statistic.name for statistic in self.statistics]
+        for number, name in enumerate(names):
+            if names.count(name) > 1:
+                what = f"two statistics are named '{name}'" if name else "of several statistics each needs a 'name'"
+                raise document.error(f"{what}; their files are named after it", "statistic", number)
+
+
+def missing(entry: Kind, fmus: Fmus) -> list[str]:
+    """The signals and parameters of a picture or statistic that a variant with these FMUs does not have."""
+    lacking = [name for name in entry.needs() if not _found(name, fmus, False)]
+    return lacking + [name for name in entry.constants() if not _found(name, fmus, True)]
+
+
+def units(entry: Kind, fmus: Fmus) -> dict[str, str]:
+    """The units of all signals and parameters of a picture or statistic."""
+    found = {name: _found(name, fmus, False)[0] for name in entry.needs()}
+    found |= {name: _found(name, fmus, True)[0] for name in entry.constants()}
+    return {name: variable.unit or "" for name, variable in found.items()}
+
+
+def _found(name: str, fmus: Fmus, array: bool) -> list[Variable]:
+    """The variable that a name stands for, or the elements of its array; empty when there is none."""
+    component, _, rest = name.removesuffix("@true").partition(".")
+    if component not in fmus:
+        return []
+    by_name = fmus[component].description.by_name
+    names = group(by_name, rest) if array else {"": rest}
+    found = [by_name[n] for suffix, n in names.items() if n in by_name and not suffix.startswith(".")]
+    return [variable for variable in found if variable.type != "String"]
+
+
+def _recordable(name: str, fmus: Fmus) -> bool:
+    """Whether a component, signal, array, bundle or pattern is there."""
+    component, dot, rest = name.removesuffix("@true").partition(".")
+    if any(sign in name for sign in "*?"):
+        return any(fnmatchcase(known, name.replace("[", "[[]")) for known in _names(fmus))
+    return component in fmus and (not dot or bool(group(fmus[component].description.by_name, rest)))
+
+
+def _unknown(name: str, fmus: Fmus) -> str:
+    """What is wrong with a name that no variant has."""
+    component, dot, rest = name.removesuffix("@true").partition(".")
+    if any(sign in name for sign in "*?"):
+        return f"no output matches the pattern '{name}'"
+    if component not in fmus:
+        return f"'{name}': there is no component '{component}'{nearest(component, fmus)}"
+    by_name = fmus[component].description.by_name
+    members = list(group(by_name, rest).values())
+    if dot and members:
+        text = f"'{name}' stands for {len(members)} signals; name one"
+        return f"{text}, for example '{component}.{members[0]}'"
+    bases = {re.split(r"\[", known)[0] for known in by_name} | set(by_name)
+    return f"'{name}': {component} has no variable '{rest}'{nearest(rest, sorted(bases))}"
+
+
+def _names(fmus: Fmus) -> Iterator[str]:
+    return (f"{name}.{v.name}" for name, fmu in fmus.items() for v in fmu.description.variables)
+
+
+def _check_kinds(document: Document, entry: str, classes: Mapping[str, type[Kind]]) -> None:
+    """Every table must say its kind before anything else in it can be judged."""
+    tables = document.content.get(entry, [])
+    for number, table in enumerate(tables if isinstance(tables, list) else []):
+        if not isinstance(table, dict):
+            continue
+        kind, listed = table.get("kind"), ", ".join(classes)
+        if kind is None:
+            raise document.error(f"this {entry} has no 'kind' (there are: {listed})", entry, number)
+        if kind not in classes:
+            hint = nearest(str(kind), classes)
+            raise document.error(
+                f"there is no {entry} of the kind {kind!r}{hint} (there are: {listed})", entry, number, "kind"
+            )
+
+
+def _place(value: Any, name: str, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
+    """Where in a table a name is written."""
+    if isinstance(value, dict | list):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            found = _place(inner, name, (*place, key))
+            if found:
+                return found
+        return ()
+    return place if value == name else ()
