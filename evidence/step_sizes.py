@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from navfmu.report.page import Page
+from navfmu.sweep.recommendation import recommendation
 from navfmu.sweep.report import picture, write_report
-from navfmu.sweep.sweep import ALGORITHMS, sweep
+from navfmu.sweep.result import ALGORITHMS
+from navfmu.sweep.sweep import sweep
 from navfmu.system.system import System
 from navfmu.terminal.progress import Progress
 
@@ -32,11 +34,11 @@ def run(out: Path, page: Page) -> None:
         result = sweep(experiment, STEPS, progress=progress)
     write_report(result, out / "step_sizes")
     page.heading("Communication step size")
-    page.text(result.recommendation())
+    page.text(recommendation(result))
     page.picture(picture(result), "Error against communication step size, log-log, Jacobi and Gauss-Seidel")
     page.table(
         ["signal", *(f"order, {a}" for a in ALGORITHMS)],
-        [[name, *("-" if (p := result.slope(a, name)) is None else f"{p:.2f}" for a in ALGORITHMS)]
+        [[name, *("-" if (order := result.order(a, name)) is None else str(order) for a in ALGORITHMS)]
          for name in result.signals],
     )  # fmt: skip
     page.text("rms change of the filter's reported sigma against the smallest step, m:")

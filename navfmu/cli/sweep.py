@@ -20,7 +20,8 @@ from navfmu.cli.options import load, numbers, system_options, tell
 def command(system: str, steps: str, tolerance: float, jobs: int | None, out: str | None, **given: Any) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
     from navfmu.sweep.report import write_report
-    from navfmu.sweep.sweep import show, sweep
+    from navfmu.sweep.show import show
+    from navfmu.sweep.sweep import sweep
     from navfmu.system.result import check_folder
     from navfmu.terminal.progress import Progress
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
 from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
-from navfmu.sweep.sweep import ALGORITHMS, Sweep
+from navfmu.sweep.recommendation import findings, recommendation
+from navfmu.sweep.result import ALGORITHMS, Sweep
 
 SHOWN = 6  # signals in the picture
 
@@ -21,8 +23,10 @@ def write_report(result: Sweep, folder: str | Path) -> Path:
     folder = Path(folder)
     rows = table(result)
     about = {
-        "recommendation": result.recommendation(),
-        "algorithms_apart": result.apart,
+        "recommendation": recommendation(result),
+        "algorithms_apart": {name: _number(value) for name, value in result.apart.items()},
+        "valid_in_no_run": list(result.idle),
+        "notes": list(result.notes),
         "provenance": result.provenance,
         "lost": {
             name: [{"algorithm": a, "step": s, "lost": n} for (a, s), n in counts.items()]
@@ -38,37 +42,53 @@ def write_report(result: Sweep, folder: str | Path) -> Path:
 
 
 def table(result: Sweep) -> list[dict[str, Any]]:
-    """All numbers, one row for each run and signal."""
-    return [
-        {
-            "algorithm": row.algorithm,
-            "step": row.step,
-            "signal": row.signal,
-            "unit": row.unit,
-            "rms_error": row.rms,
-            "largest_error": row.largest,
-            "reference_span": row.span,
-            "slope": result.slope(row.algorithm, row.signal),
-            "lost_samples": sum(counts[row.algorithm, row.step] for counts in result.lost.values()),
-        }
-        for row in result.rows
-    ]
+    """All numbers, one row for each run and signal; None where there is no number."""
+    orders = {(a, signal): result.order(a, signal) for a in ALGORITHMS for signal in result.signals}
+    rows = []
+    for row in result.rows:
+        order = orders[row.algorithm, row.signal]
+        rows.append(
+            {
+                "algorithm": row.algorithm,
+                "step": row.step,
+                "signal": row.signal,
+                "unit": row.unit,
+                "rms_error": _number(row.rms),
+                "largest_error": _number(row.largest),
+                "reference_span": _number(row.span),
+                "order": None if order is None else order.value,
+                "order_deviation": None if order is None else order.deviation,
+                "order_points": None if order is None else order.points,
+                "lost_samples": result.lost_at(row.algorithm, row.step),
+                "problem": row.problem,
+            }
+        )
+    return rows
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def picture(result: Sweep) -> bytes:
     """rms error over step size, log-log: one line for each signal, one panel for each algorithm."""
-    signals = _most_affected(result)
+    drawn, _ = _drawn(result)
     with figure(1, 2, size=(10.5, 5.2), below=0.7, sharex=True, sharey=True) as (drawing, axes):
         for axis, algorithm in zip(axes, ALGORITHMS, strict=True):
-            for colour, signal in zip(COLOURS, signals, strict=False):
+            for colour, signal in zip(COLOURS, drawn, strict=False):
                 rows = [row for row in result.of(algorithm, signal) if row.counts and row.span > 0]
-                slope = result.slope(algorithm, signal)
-                label = signal if slope is None else f"{signal}  ({slope:.1f})"
+                if not rows:
+                    continue
+                order = result.order(algorithm, signal)
+                label = signal if order is None else f"{signal}  ({order.value:.1f})"
                 axis.loglog([r.step for r in rows], [100 * r.relative for r in rows], "o-", color=colour, label=label)
             axis.axhline(100 * result.tolerance, color=GREY, linestyle="--", linewidth=1)
             axis.set_title(algorithm.replace("_", "-").title() + "  (order of the error in brackets)")
             axis.set_xlabel("communication step, s")
-            axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
+            if axis.get_legend_handles_labels()[0]:
+                axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
+            else:
+                axis.annotate("no error above rounding", (0.5, 0.5), xycoords="axes fraction", ha="center", color=GREY)
         axes[0].set_ylabel("rms error, % of the signal's range")
         axes[0].annotate(
             "tolerance", (0.99, 100 * result.tolerance), xycoords=("axes fraction", "data"), ha="right", va="bottom",
@@ -77,46 +97,57 @@ def picture(result: Sweep) -> bytes:
         return png(drawing)
 
 
-def _most_affected(result: Sweep) -> list[str]:
-    """The signals with the greatest relative error at the largest step, arrays and bundles spread out."""
+def _drawn(result: Sweep) -> tuple[list[str], int]:
+    """The signals in the picture, the greatest relative error first; and how many have an error to draw."""
+    sizes = {
+        signal: max(
+            (row.relative for row in result.rows if row.signal == signal and row.counts and row.span > 0), default=0.0
+        )
+        for signal in result.signals
+    }
+    ordered = sorted((signal for signal, size in sizes.items() if size > 0.0), key=lambda s: sizes[s], reverse=True)
+    return ordered[:SHOWN], len(ordered)
 
-    def size(signal: str) -> float:
-        rows = [row for row in result.rows if row.signal == signal and row.step == result.steps[-1] and row.span > 0]
-        return max((row.relative for row in rows), default=0.0)
 
-    ordered = sorted(result.signals, key=size, reverse=True)
-    return ordered[:SHOWN]
+def caption(result: Sweep) -> str:
+    """What the picture shows and what it leaves out."""
+    drawn, count = _drawn(result)
+    which = "all signals with an error" if len(drawn) == count else f"the {len(drawn)} of {count} signals that err most"
+    return f"Each line is a signal, its slope is the order of the error; {which} are drawn."
 
 
 def page(result: Sweep, image: bytes) -> Page:
     """The whole report."""
     made = Page(
         f"Communication step size of {result.system}",
-        f"{result.stop:g} s, the same noise in every run; errors are differences from the same algorithm at "
+        f"{result.stop:g} s with the same seed in every run; errors are differences from the same algorithm at "
         f"{result.steps[0]:g} s, every {result.period:g} s",
     )
-    made.text(result.recommendation())
-    made.picture(
-        image, "rms error over communication step", "Each line is a signal; its slope is the order of the error."
-    )
+    made.text(recommendation(result))
+    made.picture(image, "rms error over communication step", caption(result))
     made.heading("Errors")
     made.text(
-        f"rms errors; 'algorithms apart' is the rms difference of Gauss-Seidel and Jacobi at {result.steps[0]:g} s. "
-        "Where components are sampled it does not vanish with the step: Jacobi delivers each value one sample late."
+        f"rms errors; 'algorithms apart' is the rms difference of Gauss-Seidel and Jacobi at {result.steps[0]:g} s, "
+        "which does not vanish with the step where components are sampled: Jacobi delivers each value one sample late. "
+        "An order is found by least squares over all errors above rounding, with its standard deviation; two errors "
+        "fit exactly, whatever they are; '-' means that the errors have no order."
     )
+    if not_compared := findings(result):
+        made.items(not_compared)
     made.table(
-        ["signal", "unit", "algorithm", *(f"{step:g} s" for step in result.steps), "slope", "algorithms apart"],
+        ["signal", "unit", "algorithm", *(f"{step:g} s" for step in result.steps), "order", "algorithms apart"],
         [
             [
                 signal,
-                result.of(algorithm, signal)[0].unit,
+                rows[0].unit,
                 algorithm,
-                *(f"{row.rms:.3g}" for row in result.of(algorithm, signal)),
-                "-" if (slope := result.slope(algorithm, signal)) is None else f"{slope:.2f}",
+                *(row.problem or f"{row.rms:.3g}" for row in rows),
+                "-" if (order := result.order(algorithm, signal)) is None else str(order),
                 f"{result.apart[signal]:.3g}",
             ]
             for signal in result.signals
             for algorithm in ALGORITHMS
+            for rows in [result.of(algorithm, signal)]
         ],
     )
     made.heading("Samples lost between components")
@@ -134,5 +165,8 @@ def page(result: Sweep, image: bytes) -> Page:
                 for algorithm in ALGORITHMS
             ],
         )
+    if result.notes:
+        made.heading("Notes of the runs")
+        made.items(result.notes)
     section(made, result.provenance)
     return made

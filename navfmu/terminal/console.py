@@ -1,11 +1,34 @@
-"""Standard output for tables."""
+"""Standard output for tables and sentences."""
 
 from __future__ import annotations
 
+import os
+
 from rich.console import Console
+from rich.text import Text
+
+FILE_WIDTH = 160  # columns where nobody says how many there are: a file, a pipe
 
 
 def console() -> Console:
-    """Standard output; wide when it is not a terminal, so that nothing is cut off in a file."""
+    """Standard output, as wide as the terminal or the environment variable COLUMNS says, else ``FILE_WIDTH``."""
     out = Console(highlight=False)
-    return out if out.is_terminal else Console(highlight=False, width=160)
+    return out if out.is_terminal or _columns() else Console(highlight=False, width=FILE_WIDTH)
+
+
+def say(out: Console, text: str | Text, indent: int = 0) -> None:
+    """A sentence, wrapped between words; in a file it stays one line, so that it can be searched for.
+
+    Paths are printed with ``soft_wrap`` instead: what is to be copied has no breaks.
+    """
+    content, space = text if isinstance(text, Text) else Text(text), " " * indent
+    if not (out.is_terminal or _columns()):
+        out.print(Text(space) + content, soft_wrap=True)
+        return
+    for line in content.wrap(out, max(out.width - indent, 1)):
+        line.rstrip()
+        out.print(Text(space) + line, no_wrap=True)
+
+
+def _columns() -> bool:
+    return os.environ.get("COLUMNS", "").isdigit()

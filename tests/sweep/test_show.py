@@ -1,0 +1,105 @@
+"""A sweep in terminals of several widths, and its report."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pandas
+import pytest
+from click.testing import CliRunner
+
+from navfmu import System
+from navfmu.cli.main import main
+from navfmu.export import Component, Output, Parameter, every
+from navfmu.export.build import build
+from navfmu.sweep.report import caption, page, picture, table, write_report
+from navfmu.sweep.result import Row
+from navfmu.sweep.show import show
+from navfmu.sweep.sweep import sweep
+from tests.components import systems
+from tests.sweep.made import CLEAN, counted, made
+
+
+@pytest.fixture(scope="module")
+def result():
+    tracker = System.load(systems.tracker())
+    steps = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]
+    return sweep(tracker.experiment(record=["lag", "estimator", "sensor.reading"], seed=2, stop=10.0), steps)
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 160])
+def test_every_number_is_whole_at_every_width(result, width, monkeypatch, capsys):
+    """Columns once were cut with an ellipsis: "gauss_sei…"."""
+    monkeypatch.setenv("COLUMNS", str(width))
+    show(result, None)
+    out = capsys.readouterr().out
+    words = out.split()
+    for row in result.rows:
+        assert row.step == result.steps[0] or f"{row.rms:.3g}" in words
+    for counts in result.lost.values():
+        assert all(str(count) in words for count in counts.values())
+    for signal in result.signals:
+        assert f"{result.apart[signal]:.3g}" in words
+        for algorithm in ("gauss_seidel", "jacobi"):
+            order = result.order(algorithm, signal)
+            assert order is None or str(order) in out
+    assert "gauss_seidel" in words and "…" not in out
+    assert max(map(len, out.splitlines())) <= width
+
+
+def test_the_report_names_what_cannot_be_compared(tmp_path):
+    problem = "is not finite at 2 of 3 points"
+    result = made([0.0, 0.05, problem], idle=("gps.fix.latitude",), notes=("a note",))
+    report = write_report(result, tmp_path).read_text()
+    assert f"a.y {problem} (gauss_seidel, 0.4 s)" in report and "gps.fix.latitude" in report and "a note" in report
+    assert report.count(problem) >= 3  # recommendation, list, table
+    about = json.loads((tmp_path / "sweep.json").read_text(), parse_constant=pytest.fail)
+    assert about["errors"][2]["rms_error"] is None and about["errors"][2]["problem"] == problem
+    rows = pandas.read_csv(tmp_path / "sweep.csv")
+    assert rows.problem.tolist().count(problem) == 1 and rows.rms_error.isna().sum() == 1
+
+
+def test_the_report_tells_exact_orders_from_fitted_ones():
+    rows = table(made())
+    assert rows[0]["order_points"] == 2 and rows[0]["order_deviation"] is None
+    assert "(exact)" in page(made(), b"").html()
+
+
+def test_the_caption_counts_what_is_drawn():
+    assert "all signals with an error are drawn" in caption(made())
+    one = made()
+    rows = [Row(r.algorithm, r.step, f"a.y[{i}]", r.unit, r.rms, r.largest, r.span) for i in range(9) for r in one.rows]
+    many = one.__class__(**{**vars(one), "rows": tuple(rows)})
+    assert "the 6 of 9 signals that err most are drawn" in caption(many)
+
+
+def test_a_picture_without_errors_says_so():
+    assert picture(made([0.0] * 3, [0.0] * 3)) != picture(made([0.0] * 3, CLEAN))
+
+
+def test_lost_samples_of_the_smallest_step_are_in_table_and_text(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "80")
+    show(made(lost=counted(90, 90, 200)), None)
+    out = capsys.readouterr().out
+    assert re.search(r"b\.fix\.lost +jacobi +90 +90 +200", out) and "no sample is lost" not in out
+
+
+class Rooted(Component):
+    """Is not a number after one second."""
+
+    y = Output("m", description="square root of what remains")
+    sample_period = Parameter("s", start=0.01, min=1e-3, description="period")
+
+    @every("sample_period")
+    def step(self):
+        self.y = np.sqrt(1.0 - self.time)
+
+
+def test_a_signal_that_ends_as_nan_is_not_recommended(tmp_path):
+    (file,) = build([Rooted], tmp_path)
+    run = CliRunner().invoke(main, ["sweep", str(file), "--steps", "0.1,0.2", "--stop", "2", "--out", str(tmp_path)])
+    assert run.exit_code == 0, run.output
+    assert "Use" not in run.output and "is not finite at 5 of 11 points" in run.output
+    assert "is not finite at 5 of 11 points" in (tmp_path / "report.html").read_text()
