@@ -94,9 +94,12 @@ def _sentence(document: Document, model: type[Table], place: Place, problems: li
     if kinds == {"extra_forbidden"}:
         known = [field.alias or name for name, field in table.model_fields.items()]
         return document.error(f"{label}unknown entry '{key}'{nearest(key, known)}", *place)
-    if "value_error" in kinds:  # from a validator of the class: its sentence; that of an entry goes on after the name
+    said = next((problem["ctx"]["error"] for problem in problems if problem["type"] == "value_error"), None)
+    if said is not None:  # from a validator of the class: its sentence; that of an entry goes on after the name
         subject = "" if place == where else f"'{key}' "
-        return document.error(f"{label}{subject}{problems[0]['ctx']['error']}", *place)
+        return document.error(f"{label}{subject}{said}", *place)
+    if value == [] and "too_short" in kinds:
+        return document.error(f"{label}'{key}' is an empty list, expected at least one; or leave '{key}' out", *place)
     if isinstance(value, dict) and _of_tables(_field(table, key)):
         return document.error(f"{label}'{key}' is written as tables: [[{key}]]", *place)
     expected = " or ".join(dict.fromkeys(_expected(problem) for problem in problems))
@@ -148,7 +151,8 @@ def _literals(table: type[Table]) -> tuple[Any, ...]:
 
 def _of_tables(field: Any) -> bool:
     """Whether an entry is a list of tables."""
-    return field is not None and get_origin(field.annotation) is list and _inner(field.annotation) is not None
+    kinds = () if field is None else (field.annotation, *get_args(field.annotation))
+    return any(get_origin(kind) is list and _inner(kind) is not None for kind in kinds)
 
 
 _WORDS = {
@@ -160,7 +164,6 @@ _WORDS = {
     "dict_type": "a table",
     "model_type": "a table",
     "finite_number": "a finite number",
-    "too_short": "at least one",
     "string_too_short": "a text that is not empty",
     "greater_than": "more than {gt:g}",
     "greater_than_equal": "at least {ge:g}",

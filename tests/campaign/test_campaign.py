@@ -250,7 +250,7 @@ def test_a_share_has_its_confidence_interval():
         (('seeds = "1-3"', 'seeds = "1-x"'), "line 5: '1-x' is not a seed"),
         (('seeds = "1-3"', "seeds = [1, 1]"), "line 5: a seed is given twice"),
         (('seeds = "1-3"', "seeds = 3"), "line 5: 'seeds' is 3, expected a text or a list"),
-        (('seeds = "1-3"', 'stop = "long"'), "line 5: 'stop' is 'long', expected a number"),
+        (('seeds = "1-3"', 'stop = "long"'), "line 5: 'stop' is 'long', expected a time: a number of"),
         (('seeds = "1-3"', "stop = -1"), "stop time must be a positive number"),
         (('"slow"]\nseeds', '"slwo"]\nseeds'), "line 4: the system has no variant 'slwo'; did you mean 'slow'"),
         (('name = "stuck"', 'name = "nominal"'), "line 11: there are two cases named 'nominal'"),
@@ -356,17 +356,16 @@ def test_jobs_default_to_the_cores_and_seeds_can_be_replaced(done, tmp_path):
 
 def test_the_documented_example_uses_entries_that_exist():
     import re
-    import tomllib
 
-    from navfmu.campaign import file
+    from navfmu.campaign.schema import CampaignFile
+    from navfmu.files.schema import validated
+    from navfmu.files.toml import Document
 
     text = (Path(__file__).parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
-    content = tomllib.loads(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1])
-    assert set(content) <= set(file.TOP)
-    assert all(set(case) <= set(file.CASE) for case in content["case"])
-    assert all(set(entry) <= set(file.REQUIREMENT) for entry in content["requirement"])
-    named = {name for entry in content["requirement"] for name in entry.get("variants", [])}
-    assert named <= set(content["variants"])
+    document = Document(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1], "docs/campaigns.md")
+    content = validated(document, CampaignFile)
+    named = {name for entry in content.requirement for name in entry.variants or ()}
+    assert named <= set(content.variants)
 
 
 def test_the_command_in_the_report_repeats_the_run(done, tmp_path):

@@ -1,0 +1,76 @@
+"""What may stand in a campaign file. What must exist in the system, or fit the clock, is checked by ``file``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator
+
+from navfmu.files.schema import Field, Table
+
+Time = float | str  # s, or "5 min"
+Bound = float | str  # in the unit of the signal, or "0.5 nmi"
+
+
+def _different(names: list[Any]) -> list[Any]:
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"holds {name!r} twice")
+    return names
+
+
+Some = Annotated[list[str], Field(min_length=1)]
+Names = Annotated[Some, AfterValidator(_different), Field(json_schema_extra={"uniqueItems": True})]
+Percent = Annotated[float, Field(gt=0, le=100)]
+
+
+class CaseEntry(Table):
+    """One thing that is done to the system."""
+
+    name: str = Field(min_length=1, description="name of the case")
+    description: str = Field("", description="what happens, in words")
+    faults: str | Names | None = Field(
+        None, description="a fault file beside this one, or the name of one inside the system; or a list"
+    )
+    parameters: dict[str, Any] = Field({}, description='values by "component.parameter", laid over those of the file')
+
+
+class RequirementEntry(Table):
+    """A bound on a signal, for a share of the time of each run, or for a quantile of the runs."""
+
+    id: str = Field(min_length=1, description="name of the requirement")
+    description: str = Field("", description="the requirement in words")
+    severity: str = Field("", description='how bad a violation is, for example "major"')
+    signal: str = Field(min_length=1, description='an output, "component.signal"')
+    at_most: Bound | None = Field(None, description='upper bound: a number in the unit of the signal, or "0.5 nmi"')
+    at_least: Bound | None = Field(None, description="lower bound")
+    percent: Percent | None = Field(None, description="of the recorded points of each run; default: 100")
+    quantile: float | None = Field(None, gt=0, le=1, description="of the runs, at every time; instead of percent")
+    runs: Percent = Field(100.0, description="percent of the runs that must hold")
+    begin: Time = Field(0.0, alias="from", description="time from which it is asked")
+    end: Time | None = Field(None, alias="to", description="time up to which it is asked; default: to the end")
+    expect: Literal["held", "violated"] = Field("held", description="whether the bound should hold, or be broken")
+    variants: Names | None = Field(None, description="variants that it is asked of; default: all")
+    cases: Names | None = Field(None, description="cases that it is asked of; default: all")
+
+
+class CampaignFile(Table):
+    """A campaign file of navfmu: variants of a system, cases, seeds and requirements."""
+
+    name: str | None = Field(None, description="name of the campaign and of its folder; default: that of the file")
+    description: str = Field("", description="what the campaign is about")
+    system: str = Field(description="a path or the name of a shipped system")
+    variants: Names = Field(["main"], description='variants of the system; "main" is SystemStructure.ssd')
+    seeds: str | list[int | str] = Field([1], description='"1-8", or a list')
+    stop: Time | None = Field(None, description="end of the runs; default: that of the system")
+    step: Time | None = Field(None, description="communication step size; default: that of the system")
+    algorithm: str = Field(
+        "gauss_seidel", json_schema_extra={"enum": ["gauss_seidel", "jacobi"]}, description="order of the components"
+    )
+    record: Some | None = Field(None, description="signals beside those that requirements and pictures need")
+    record_period: Time | None = Field(None, description="time between recorded points; findings are made at these")
+    parameters: dict[str, Any] = Field({}, description='values by "component.parameter", for all runs')
+    case: list[CaseEntry] | None = Field(
+        None, min_length=1, description="what is done to the system; default: one case, nominal"
+    )
+    requirement: list[RequirementEntry] | None = Field(None, min_length=1, description="what is asked of the runs")

@@ -1,0 +1,64 @@
+"""The schemas that editors get agree with what the readers accept."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from click.testing import CliRunner
+
+from navfmu.cli.main import main
+from navfmu.cli.schema import KINDS, schema
+
+ROOT = Path(__file__).parents[2]
+FILES = {
+    "campaign": [*ROOT.glob("system_ssp/*/campaigns/*.toml"), ROOT / "examples" / "campaign.toml"],
+    "faults": list(ROOT.glob("system_ssp/*/faults/*.toml")),
+}
+
+
+@pytest.mark.parametrize(("kind", "file"), [(kind, file) for kind, files in FILES.items() for file in files])
+def test_shipped_files_fit_the_printed_schema(kind, file):
+    printed = CliRunner().invoke(main, ["schema", kind])
+    assert printed.exit_code == 0
+    rules = json.loads(printed.output)
+    jsonschema.Draft202012Validator.check_schema(rules)
+    jsonschema.validate(tomllib.loads(file.read_text(encoding="utf-8")), rules)
+
+
+FAULT = '[[fault]]\nid = "F"\ntarget = "a.y"\ntype = "bias"\n'
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("campaign", "stop = 10.0"),
+        ("campaign", 'system = "s"\nvariants = []'),
+        ("campaign", 'system = "s"\nvariants = ["main", "main"]'),
+        ("campaign", 'system = "s"\nalgorithm = "seidel"'),
+        ("campaign", 'system = "s"\n[[requirement]]\nid = "R"\nsignal = "a.y"\npercent = 101'),
+        ("campaign", 'system = "s"\n[[requirement]]\nid = "R"\nsignal = "a.y"\nbegin = 1.0'),
+        ("faults", FAULT),
+        ("faults", FAULT + "value = 1\nrate = 1"),
+        ("faults", FAULT + "value = 1\nduraton = 1"),
+        ("faults", FAULT.replace("bias", "biass") + "value = 1"),
+    ],
+)
+def test_what_the_reader_refuses_the_schema_refuses(kind, text):
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(tomllib.loads(text), json.loads(schema(kind)))
+
+
+def test_every_entry_of_a_schema_says_what_it_means():
+    for kind in KINDS:
+        rules = json.loads(schema(kind))
+        for table in (rules, *rules["$defs"].values()):
+            assert all(entry.get("description") for entry in table["properties"].values()), kind
+
+
+def test_an_unknown_kind_is_answered_with_the_nearest():
+    result = CliRunner().invoke(main, ["schema", "campain"])
+    assert result.exit_code == 2 and "did you mean 'campaign'? (there are: campaign, faults" in result.stderr
