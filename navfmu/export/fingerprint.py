@@ -16,9 +16,11 @@ from navfmu.export.imports import imports
 #: Files beside a model's modules that it may read, such as coefficients.
 _DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
 #: What turns sources into FMUs; another version is another FMU.
-_TOOLS = ("casadi", "ziglang", "numpy", "matplotlib", "pythonfmu")
+_TOOLS = ("casadi", "ziglang", "numpy", "matplotlib", "pythonfmu", "jinja2")
 _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib", "purelib", "platlib")}
 _EXPORT = Path(__file__).parent
+_ENDINGS = {".py", ".c", ".h", ".txt", ".j2"}  # of the exporter's own files
+_BESIDE = [_EXPORT.parent / "errors.py", _EXPORT.parent / "report" / "template.py"]  # what it takes from other rooms
 
 
 def fingerprint(component: type[Component], *parts: str) -> str | None:
@@ -46,9 +48,8 @@ def fingerprint(component: type[Component], *parts: str) -> str | None:
 def _exporter() -> str:
     """Return a hash of the exporter and of the tools' versions."""
     digest = hashlib.sha256("\0".join([__version__, sys.version, *(_version(tool) for tool in _TOOLS)]).encode())
-    for file in sorted(_EXPORT.rglob("*")):
-        if file.suffix in {".py", ".c", ".h", ".txt"}:
-            _add(digest, file)
+    for file in [*sorted(file for file in _EXPORT.rglob("*") if file.suffix in _ENDINGS), *_BESIDE]:
+        _add(digest, file)
     return digest.hexdigest()
 
 

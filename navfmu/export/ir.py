@@ -10,6 +10,7 @@ Arrays are contiguous, so that FMI 3.0 array variables need no other layout.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,6 +34,11 @@ class Variable:
     description: str = ""
     bundle: str | None = None  # name of the bundle it belongs to
     fault: bool = False  # an input that exists to inject a physical fault
+
+    @property
+    def base(self) -> str:
+        """The name without the index of an element: "reading.rate" of "reading.rate[1]"."""
+        return re.sub(r"\[[\d,]+\]$", "", self.name)
 
 
 @dataclass(frozen=True)

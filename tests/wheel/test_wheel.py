@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tools.wheel import PACKAGED
+
 ROOT = Path(__file__).parents[2]
 FLY = """
 import sys
@@ -46,6 +48,13 @@ def python(wheel, tmp_path_factory):
 def call(python, folder, *arguments):
     environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "NAVFMU_CACHE": str(folder / "cache")}
     return subprocess.run([str(python), *arguments], cwd=folder, env=environment, capture_output=True, text=True)
+
+
+def test_every_file_of_the_package_goes_into_the_wheel():
+    tracked = subprocess.run(["git", "ls-files", "navfmu"], cwd=ROOT, capture_output=True, text=True)
+    files = tracked.stdout.split() or [str(path) for path in (ROOT / "navfmu").rglob("*") if path.is_file()]
+    endings = {Path(file).suffix.lstrip(".") for file in files} - {"pyc"}
+    assert {"c", "j2"} <= endings <= {"py", *PACKAGED}
 
 
 def test_one_wheel_serves_every_platform(wheel):

@@ -1,0 +1,61 @@
+"""The picture of an FMU's response, drawn for its documentation."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+from navfmu.export import ir
+from navfmu.export.description import display
+from navfmu.export.response import Response
+
+
+def picture(model: ir.Model, response: Response) -> bytes:
+    """Return a PNG of the outputs over time, in their display units; vectors share one pair of axes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    panels = _panels(model, response)
+    rows = -(-len(panels) // 2)
+    figure = Figure(figsize=(9.0, 0.6 + 1.9 * rows), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    for place, (title, curves) in enumerate(panels.items()):
+        axes = figure.add_subplot(rows, 2 if len(panels) > 1 else 1, place + 1)
+        colours = iter(f"C{i}" for i in range(10))
+        for label, curve in curves.items():
+            dashed = label.startswith("~")
+            style = {"color": "0.25", "linestyle": "--"} if dashed else {"color": next(colours)}
+            name = label.lstrip("~").rstrip() or None
+            axes.plot(response.time, curve, linewidth=0.9, label=name, **style)
+        axes.set_title(title, fontsize=9, loc="left")
+        axes.tick_params(labelsize=8)
+        axes.ticklabel_format(axis="y", useOffset=False)
+        axes.grid(alpha=0.3)
+        axes.margins(x=0)
+        axes.set_xlim(response.time[0], response.time[-1])
+        if response.onset is not None:
+            axes.axvline(response.onset, color="0.5", linewidth=0.8, linestyle=":")
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(fontsize=7, ncols=min(5, len(curves)), frameon=False)
+        if place >= len(panels) - 2:
+            axes.set_xlabel("time (s)", fontsize=8)
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _panels(model: ir.Model, response: Response) -> dict[str, dict[str, Any]]:
+    """Return the curves by label for each pair of axes: those of the example, then its outputs."""
+    panels = {title: dict(curves) for title, curves in response.panels.items()}
+    groups: dict[str, list[int]] = {}
+    for column, index in enumerate(response.indices):
+        groups.setdefault(model.variables[index].base, []).append(column)
+    for name, columns in list(groups.items())[: max(10 - len(panels), 1)]:
+        curves = {}
+        for column in columns:
+            variable = model.variables[response.indices[column]]
+            scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
+            curves[variable.name[len(name) :]] = scale * response.values[:, column] + offset
+        unit = display(variable, 0.0)[1]
+        panels[f"{name} ({unit})" if unit else name] = curves
+    return panels
