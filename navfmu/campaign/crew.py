@@ -16,7 +16,7 @@ from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any
 
-from navfmu.campaign.flight import keep_failure
+from navfmu.campaign.flight import fail
 from navfmu.campaign.runs import Run
 from navfmu.engine.blackbox import BlackBox, steps_made
 from navfmu.errors import NavfmuError
@@ -156,15 +156,13 @@ class Worker:
 
     def _lost(self, run: Run, folder: Path, what: str) -> None:
         """Keep why a run did not come back, and the rows that it left."""
-        about: dict[str, Any] = {"error": f"the run {what}"}
-        recording = None
+        error, place, recording = f"the run {what}", {}, None
         if self._box.is_file():
             with BlackBox.open(self._box, run.experiment.plan()) as box:
-                about = {"error": f"{box.whereabouts()}: the run {what}", **box.culprit()}
                 said = box.said() or self._last_words()
-                about["error"] += f": {said}" if said else ""
-                recording = box.recording()
-        keep_failure(run, folder, about, recording)
+                error = f"{box.whereabouts()}: the run {what}" + (f": {said}" if said else "")
+                place, recording = box.culprit(), box.recording()
+        fail(run, folder, error, place, recording)
 
     def _last_words(self) -> str:
         """The last line that the process, or an FMU in it, has printed."""

@@ -14,7 +14,7 @@ from navfmu.campaign.crew import Crew
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
-from navfmu.campaign.runs import Run, runs_of
+from navfmu.campaign.runs import Answer, Run, runs_of
 from navfmu.errors import Interrupted, NavfmuError, nearest
 from navfmu.system.pool import Board, Report, in_threads
 
@@ -49,22 +49,21 @@ def run_campaign(
     runs = runs_of(campaign)
     with _alone(folder):
         _tidy(folder)
-        if retry_failed:
-            _forget_failures(runs, folder)
-        why = {run.key: run.missing(folder) for run in runs}
-        missing = [run for run in runs if why[run.key] is not None]
-        mended = tuple(reason for reason in why.values() if reason)
+        answers, mended = _kept(runs, folder)
+        missing = [
+            run for run in runs if run.key not in answers or (retry_failed and answers[run.key].error is not None)
+        ]
         board = Board(sum(_steps(run) for run in missing), progress, len(missing))
         try:
             with _hands(workers, timeout) as hand:
                 for _ in in_threads(missing, lambda run: hand(run, folder, board), jobs, board):
                     pass
         except KeyboardInterrupt:
-            kept = sum(run.missing(folder) is None for run in runs)
+            kept = len(_kept(runs, folder)[0])
             raise Interrupted(
                 f"interrupted: {kept} of {len(runs)} runs are finished and kept in {folder}; the same command continues"
             ) from None
-        outcome = evaluate(campaign, runs, folder, mended)
+        outcome = evaluate(campaign, runs, _kept(runs, folder)[0], folder, mended)
         write_report(outcome, folder, None if progress is None else lambda n, of: progress(n, of, "drawing the report"))
     return outcome
 
@@ -110,7 +109,16 @@ def _tidy(folder: Path) -> None:
                 file.unlink(missing_ok=True)
 
 
-def _forget_failures(runs: list[Run], folder: Path) -> None:
+def _kept(runs: list[Run], folder: Path) -> tuple[dict[str, Answer], tuple[str, ...]]:
+    """The answers that are kept, by key, and what is wrong with those that are damaged."""
+    answers: dict[str, Answer] = {}
+    damaged = []
     for run in runs:
-        for file in (run.failure(folder), run.partial(folder)):
-            file.unlink(missing_ok=True)
+        try:
+            answer = Answer.read(run, folder)
+        except NavfmuError as error:
+            damaged.append(str(error))
+            continue
+        if answer is not None:
+            answers[run.key] = answer
+    return answers, tuple(damaged)

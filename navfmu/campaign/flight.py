@@ -1,32 +1,64 @@
-"""One run of a campaign in this process: flown, and kept as a recording or as the reason why there is none."""
+"""One run of a campaign in this process: flown, and kept as a recording and the answer how it ended."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from navfmu.campaign.runs import Run
+from navfmu.campaign.runs import Answer, Run
 from navfmu.engine.recording import Recording, RunError
+from navfmu.files.unpack import content_hash
+from navfmu.files.writing import write_file
 from navfmu.system.result import as_frame, write
 
+if TYPE_CHECKING:
+    import pandas
 
-def fly(run: Run, folder: Path, progress: Callable[[int, int], None] | None = None, memory: Any = None) -> None:
-    """Do the run; an FMU's refusal is kept as its result, with the rows recorded before."""
+    from navfmu.engine.blackbox import BlackBox
+    from navfmu.engine.plan import Plan
+
+
+def fly(
+    run: Run,
+    folder: Path,
+    progress: Callable[[int, int], None] | None = None,
+    memory: Callable[[Plan], BlackBox] | None = None,
+) -> None:
+    """Do the run; an FMU's refusal is an answer, too, with the rows recorded before."""
     try:
         frame = run.experiment.run(progress, memory)
     except RunError as error:
-        keep_failure(run, folder, {"error": str(error), **error.place}, error.recording)
+        fail(run, folder, str(error), error.place, error.recording)
     else:
-        frame.attrs["provenance"]["key"] = run.key
-        write(frame, run.file(folder))
+        _keep(run, folder, frame, None, {})
 
 
-def keep_failure(run: Run, folder: Path, about: dict[str, Any], recording: Recording | None) -> None:
-    """Keep why a run failed, and first what it had recorded."""
+def fail(run: Run, folder: Path, error: str, place: dict[str, str | float], recording: Recording | None) -> None:
+    """Keep why a run failed, and what it had recorded."""
+    frame = None
     if recording is not None and len(recording.time):
         frame = as_frame(recording)
         frame.attrs["notes"] = [*run.experiment.system.notes, *recording.warnings]
-        frame.attrs["provenance"] = run.experiment.provenance() | {"key": run.key, "error": about["error"]}
-        write(frame, run.partial(folder))
-    run.fail(folder, about)
+        frame.attrs["provenance"] = run.experiment.provenance() | {"error": error}
+    _keep(run, folder, frame, error, place)
+
+
+def _keep(
+    run: Run, folder: Path, frame: pandas.DataFrame | None, error: str | None, place: dict[str, str | float]
+) -> None:
+    """Write the recording, and then the answer: what has no answer is run again."""
+    file = None if frame is None else write(frame, run.recording(folder, whole=error is None))
+    answer = Answer(
+        key=run.key,
+        variant=run.variant,
+        case=run.case.name,
+        seed=run.seed,
+        error=error,
+        place=place,
+        recording=None if file is None else file.name,
+        sha256=None if file is None else content_hash(file),
+        notes=() if frame is None else tuple(frame.attrs["notes"]),
+        not_finite={} if frame is None else frame.attrs["not_finite"],
+    )
+    write_file(run.answer(folder), answer.text())

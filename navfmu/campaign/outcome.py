@@ -4,33 +4,31 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
-from navfmu.system import result
 
 if TYPE_CHECKING:
     from navfmu.campaign.definition import Campaign, Case
-    from navfmu.campaign.runs import Run
+    from navfmu.campaign.runs import Answer, Run
 
 
 @dataclass(frozen=True)
 class Judged:
-    """One run with its findings by requirement, or with the reason why there are none."""
+    """One run, how it ended, and its findings by requirement."""
 
     run: Run
+    answer: Answer
     findings: dict[str, Finding]
-    error: str | None = None
-    notes: tuple[str, ...] = ()
-    not_finite: dict[str, int] = field(default_factory=dict)  # signal -> points at which it is NaN or infinite
 
-    def recording(self, folder: Path) -> Path:
-        """The file of what was recorded; of a run that failed, up to there."""
-        return self.run.partial(folder) if self.error is not None else self.run.file(folder)
+    @property
+    def error(self) -> str | None:
+        """Why there are no findings."""
+        return self.answer.error
 
 
 @dataclass(frozen=True)
@@ -71,13 +69,13 @@ class Outcome:
     @property
     def passed(self) -> bool:
         """Whether every requirement holds everywhere, every run ended well, and every number is one."""
-        ended_well = not any(judged.error or judged.not_finite for judged in self.runs)
+        ended_well = not any(judged.error or judged.answer.not_finite for judged in self.runs)
         return ended_well and all(cell.passed for cell in self.cells)
 
     @property
     def notes(self) -> dict[str, int]:
         """What the runs noted, each sentence with the number of runs that did."""
-        return dict(Counter(note for judged in self.runs for note in judged.notes))
+        return dict(Counter(note for judged in self.runs for note in judged.answer.notes))
 
     @property
     def report(self) -> Path:
@@ -90,7 +88,7 @@ class Outcome:
 
     def series(self, judged: Judged, signals: Sequence[str]) -> dict[str, np.ndarray]:
         """Recorded signals of a run, with "time"; those it does not have are left out."""
-        return read_series(judged.run.file(self.folder), signals)
+        return read_series(judged.run.recording(self.folder), signals)
 
     def table(self) -> list[dict[str, Any]]:
         """One row for each run and requirement."""
@@ -99,9 +97,9 @@ class Outcome:
             head = {"variant": judged.run.variant, "case": judged.run.case.name, "seed": judged.run.seed}
             tail = {
                 "error": judged.error or "",
-                "not_finite": " ".join(judged.not_finite),
-                "notes": " | ".join(judged.notes),
-                "recording": f"runs/{judged.recording(self.folder).name}",
+                "not_finite": " ".join(judged.answer.not_finite),
+                "notes": " | ".join(judged.answer.notes),
+                "recording": f"runs/{judged.answer.recording}" if judged.answer.recording else "",
             }
             for requirement, finding in judged.findings.items():
                 rows.append(head | {"requirement": requirement} | finding.row() | tail)
@@ -111,9 +109,11 @@ class Outcome:
         return rows
 
 
-def evaluate(campaign: Campaign, runs: list[Run], folder: Path, mended: tuple[str, ...] = ()) -> Outcome:
+def evaluate(
+    campaign: Campaign, runs: list[Run], answers: dict[str, Answer], folder: Path, mended: tuple[str, ...] = ()
+) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
-    judged = [_judge_run(campaign, run, folder) for run in runs]
+    judged = [_judge_run(campaign, run, answers[run.key], folder) for run in runs]
     cells = []
     for variant in campaign.systems:
         for case in campaign.cases:
@@ -134,16 +134,13 @@ def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
     return {name: table[name].to_numpy() for name in names}
 
 
-def _judge_run(campaign: Campaign, run: Run, folder: Path) -> Judged:
-    failed = run.failed(folder)
-    if failed is not None:
-        return Judged(run, {}, failed["error"])
+def _judge_run(campaign: Campaign, run: Run, answer: Answer, folder: Path) -> Judged:
+    if answer.error is not None:
+        return Judged(run, answer, {})
     asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
-    series = read_series(run.file(folder), [r.signal for r in asked])
+    series = read_series(run.recording(folder), [r.signal for r in asked])
     findings = {r.id: judge(r, series["time"], series[r.signal]) for r in asked}
-    about = result.about(run.file(folder))
-    kept = {name: finding for name, finding in findings.items() if finding is not None}
-    return Judged(run, kept, None, tuple(about["notes"]), about["not_finite"])
+    return Judged(run, answer, {name: finding for name, finding in findings.items() if finding is not None})
 
 
 def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
@@ -183,7 +180,7 @@ def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
 def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
     """A quantile over the runs at every time."""
     good = [j for j in group if j.error is None]
-    rows = [read_series(j.run.file(folder), [requirement.signal]) for j in good]
+    rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
     if not rows:
         return Cell(requirement, variant, case.name, False, 0, len(group), "every run ended with an error", None)
     time = rows[0]["time"]

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.errors import NavfmuError
-from navfmu.files.writing import write_file
+from navfmu.files.unpack import content_hash
 from navfmu.system.experiment import Experiment
-from navfmu.system.result import check
 
 
 @dataclass(frozen=True)
@@ -30,43 +29,66 @@ class Run:
         """The seed of the run."""
         return self.experiment.seed
 
-    def file(self, folder: Path) -> Path:
-        """Its recording."""
-        return folder / "runs" / f"{self.key}.parquet"
+    def recording(self, folder: Path, whole: bool = True) -> Path:
+        """The file of its recording, or of what was recorded before it failed."""
+        return folder / "runs" / f"{self.key}{'' if whole else '.partial'}.parquet"
 
-    def failure(self, folder: Path) -> Path:
-        """Why it has none."""
-        return folder / "runs" / f"{self.key}.error.json"
+    def answer(self, folder: Path) -> Path:
+        """The file that says how it ended; it is written last."""
+        return folder / "runs" / f"{self.key}.json"
 
-    def partial(self, folder: Path) -> Path:
-        """What was recorded before it failed."""
-        return folder / "runs" / f"{self.key}.partial.parquet"
 
-    def failed(self, folder: Path) -> dict[str, Any] | None:
-        """Why it failed, or None; a damaged file is no answer."""
+@dataclass(frozen=True)
+class Answer:
+    """How a run ended, as kept in ``runs/KEY.json``."""
+
+    key: str
+    variant: str
+    case: str
+    seed: int
+    error: str | None  # why it failed
+    place: dict[str, str | float]  # and where it is known: component, call, time (s)
+    recording: str | None  # name of the file
+    sha256: str | None  # of the recording
+    notes: tuple[str, ...]
+    not_finite: dict[str, int]  # signal -> recorded points at which it is NaN or infinite
+
+    def text(self) -> str:
+        """The content of its file, which ends with a hash of the rest."""
+        content = asdict(self)
+        return json.dumps(content | {"hash": _hash(content)}, indent=2) + "\n"
+
+    @classmethod
+    def read(cls, run: Run, folder: Path) -> Answer | None:
+        """The answer that is kept for a run; None if there is none. What is damaged is a ``NavfmuError``."""
+        file = run.answer(folder)
         try:
-            about = json.loads(self.failure(folder).read_bytes())
-        except (OSError, ValueError):
+            text = file.read_text(encoding="utf-8")
+        except FileNotFoundError:
             return None
-        fits = isinstance(about, dict) and about.get("key") == self.key and isinstance(about.get("error"), str)
-        return about if fits else None
+        except (OSError, ValueError) as error:
+            raise NavfmuError(f"{file}: is damaged: {error}") from None
+        try:
+            content = json.loads(text)
+            content.pop("hash")
+            answer = cls(**content | {"notes": tuple(content["notes"])})
+        except (ValueError, KeyError, TypeError, AttributeError):
+            answer = None
+        if answer is None or answer.text() != text:
+            raise NavfmuError(f"{file}: is damaged: it is not what was written")
+        if answer.key != run.key:
+            raise NavfmuError(f"{file}: is the answer of another run, {answer.variant}, {answer.case}, {answer.seed}")
+        if answer.recording is not None:
+            kept = file.with_name(answer.recording)
+            if not kept.is_file():
+                raise NavfmuError(f"{kept}: is missing")
+            if content_hash(kept) != answer.sha256:
+                raise NavfmuError(f"{kept}: is damaged, or the recording of another run")
+        return answer
 
-    def fail(self, folder: Path, about: Mapping[str, Any]) -> None:
-        """Keep the reason: ``error``, and where it is known ``component``, ``call`` and ``time`` (s)."""
-        head = {"key": self.key, "variant": self.variant, "case": self.case.name, "seed": self.seed}
-        write_file(self.failure(folder), json.dumps(head | dict(about), indent=2) + "\n")
 
-    def missing(self, folder: Path) -> str | None:
-        """Why it has to be run: "" when there is nothing, or what is wrong with what there is; None if it is done."""
-        if self.failed(folder) is not None:
-            return None
-        if self.file(folder).is_file():
-            try:
-                check(self.file(folder), self.key)
-            except NavfmuError as error:
-                return str(error)
-            return None
-        return f"{self.failure(folder)}: is damaged" if self.failure(folder).is_file() else ""
+def _hash(content: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def runs_of(campaign: Campaign) -> list[Run]:

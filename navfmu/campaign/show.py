@@ -25,9 +25,9 @@ def show(outcome: Outcome) -> None:
     for judged in failed[:SEEN]:
         where = f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
         out.print(f"[red]failed[/] {where}: {escape(judged.error)}", soft_wrap=True)
-    for judged in [judged for judged in outcome.runs if judged.not_finite][:SEEN]:
+    for judged in [judged for judged in outcome.runs if judged.answer.not_finite][:SEEN]:
         where = f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
-        out.print(f"[red]not finite[/] {where}: {escape(', '.join(judged.not_finite))}", soft_wrap=True)
+        out.print(f"[red]not finite[/] {where}: {escape(', '.join(judged.answer.not_finite))}", soft_wrap=True)
     for note, count in outcome.notes.items():
         out.print(f"note: {escape(note)} (in {count} of {len(outcome.runs)} runs)", soft_wrap=True)
     for sentence in outcome.mended:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from pathlib import Path
@@ -86,6 +85,7 @@ def write(frame: pandas.DataFrame, path: str | Path) -> Path:
 def read(path: str | Path) -> pandas.DataFrame:
     """Read a result file back, with units and provenance in ``attrs``."""
     import pandas
+    import pyarrow
 
     path = Path(path)
     try:
@@ -99,33 +99,11 @@ def read(path: str | Path) -> pandas.DataFrame:
             frame = frame.set_index("time") if "time" in frame.columns else frame
     except FileNotFoundError:
         raise NavfmuError(f"{path}: no such file") from None
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, pyarrow.ArrowException) as error:
         raise NavfmuError(f"{path}: cannot be read: {error}") from None
-    about.pop("content", None)
     apart = {"units": about.pop("units", {}), "notes": about.pop("notes", [])}
     frame.attrs = apart | {"not_finite": about.pop("not_finite", {}), "provenance": about}
     return frame
-
-
-def check(path: str | Path, key: str | None = None) -> None:
-    """Refuse a recording (Parquet) that is not what was written, or, with ``key``, not the run of that key."""
-    path = Path(path)
-    try:
-        table, about = _read_parquet(path)
-        found = about.get("content") == _content(table, about)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise NavfmuError(f"{path}: is damaged: {str(error).splitlines()[0] if str(error) else error!r}") from None
-    if not found:
-        raise NavfmuError(f"{path}: is damaged: its numbers are not those that were written")
-    if key is not None and about.get("key") != key:
-        raise NavfmuError(f"{path}: is the recording of another run ({about.get('key') or 'without a key'})")
-
-
-def about(path: Path) -> dict[str, Any]:
-    """What a recording (Parquet) says of itself, without its numbers."""
-    from pyarrow import parquet
-
-    return json.loads(parquet.read_schema(path).metadata[b"navfmu"])
 
 
 def _read_parquet(path: Path) -> tuple[pyarrow.Table, dict[str, Any]]:
@@ -133,15 +111,6 @@ def _read_parquet(path: Path) -> tuple[pyarrow.Table, dict[str, Any]]:
 
     table = parquet.read_table(path)
     return table, json.loads((table.schema.metadata or {}).get(b"navfmu", b"{}"))
-
-
-def _content(table: pyarrow.Table, about: dict[str, Any]) -> str:
-    """A hash of everything in a recording: names, units, types, numbers, and what is said about them."""
-    digest = hashlib.sha256(json.dumps(about | {"content": ""}, sort_keys=True).encode())
-    for field, column in zip(table.schema, table.columns, strict=True):
-        digest.update(f"{field.name} {field.type} {field.metadata} {len(column)} ".encode())
-        digest.update(column.to_numpy().tobytes())
-    return digest.hexdigest()
 
 
 def _write_parquet(frame: pandas.DataFrame, path: Path, about: dict[str, Any]) -> None:
@@ -156,8 +125,6 @@ def _write_parquet(frame: pandas.DataFrame, path: Path, about: dict[str, Any]) -
         pyarrow.field(name, array.type, metadata={"unit": units[name]} if units.get(name) else None)
         for name, array in zip(names, arrays, strict=True)
     ]
-    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
-    about = json.loads(json.dumps(about, default=str))  # as it will be read back
-    about["content"] = _content(table, about)
+    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields, metadata={"navfmu": json.dumps(about)}))
     with replacing(path) as temporary:
-        parquet.write_table(table.replace_schema_metadata({"navfmu": json.dumps(about)}), temporary, compression="zstd")
+        parquet.write_table(table, temporary, compression="zstd")

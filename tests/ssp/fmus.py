@@ -50,7 +50,7 @@ def write(path: Path, description: str, **files: bytes) -> Path:
     identifier = description.partition('modelIdentifier="')[2].partition('"')[0]
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", description)
-        archive.writestr(f"binaries/{platforms()[0]}/{identifier}{library_suffix()}", b"not a library")
+        files.setdefault(f"binaries/{platforms()[0]}/{identifier}{library_suffix()}", b"not a library")
         for name, content in files.items():
             archive.writestr(name, content)
     return path
