@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from navfmu.campaign import load_campaign, run_campaign
-from navfmu.campaign.navigation import beyond
 from navfmu.campaign.outcome import Outcome
 from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
+from navfmu.report.statistics.radial import beyond
 from navfmu.system.system import System
 from navfmu.terminal.progress import Progress
 

@@ -4,41 +4,38 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from navfmu.campaign.definition import Case
-from navfmu.campaign.navigation import statistics
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
-from navfmu.errors import NavfmuError
+from navfmu.campaign.scenes import pictures_of, scene
+from navfmu.campaign.statistics import Found, statistics
 from navfmu.files.writing import replacing, write_file
-from navfmu.report.figure import COLOURS, GREY, figure, png
 from navfmu.report.page import Page
 from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
+from navfmu.system.report_file import missing
 
 Note = Callable[[int, int], None]  # sections drawn, sections to draw
-TRUTH = ("aircraft.latitude", "aircraft.longitude")
-ESTIMATE = ("navigator.solution.latitude", "navigator.solution.longitude")
-NAUTICAL_MILE = 1852.0
-EARTH = 6_371_000.0  # m, for pictures only
 PICTURED = 12  # cells of the matrix with pictures; the tables have all of them
 
 
 def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Path:
-    """Write ``runs.csv``, ``runs.parquet``, ``verdicts.csv``, ``campaign.json`` and ``report.html``."""
+    """Write runs, verdicts, statistics, what is needed to repeat the campaign, and ``report.html``; return its path."""
     about = provenance(outcome)
     rows = outcome.table()
     write_file(folder / "runs.csv", as_csv(rows))
     _write_parquet(rows, folder / "runs.parquet", about)
     write_file(folder / "verdicts.csv", as_csv(_verdicts(outcome)))
-    write_file(folder / "statistics.csv", as_csv([asdict(row) for row in statistics(outcome)]))
+    numbers = list(statistics(outcome))
+    for found in numbers:
+        write_file(folder / found.file, as_csv(found.rows))
     write_file(folder / "campaign.json", json.dumps(about, indent=2) + "\n")
-    return write_file(folder / "report.html", page(outcome, about, note).html())
+    return write_file(folder / "report.html", page(outcome, about, numbers, note).html())
 
 
 def provenance(outcome: Outcome) -> dict[str, Any]:
@@ -105,7 +102,7 @@ def pictured(outcome: Outcome) -> list[tuple[str, Case]]:
     return [pair for pair in every if pair in chosen[:PICTURED]]
 
 
-def page(outcome: Outcome, about: dict[str, Any], note: Note | None = None) -> Page:
+def page(outcome: Outcome, about: dict[str, Any], numbers: list[Found], note: Note | None = None) -> Page:
     """The whole report."""
     campaign = outcome.campaign
     sizes = f"{len(campaign.systems)} variants x {len(campaign.cases)} cases x {len(campaign.seeds)} seeds"
@@ -115,7 +112,7 @@ def page(outcome: Outcome, about: dict[str, Any], note: Note | None = None) -> P
         f"{campaign.stop:g} s in steps of {campaign.step:g} s, {campaign.algorithm}",
     )
     _verdict_section(result, outcome)
-    _statistics_section(result, outcome)
+    _statistics_section(result, numbers)
     _case_section(result, outcome)
     _failures(result, outcome)
     chosen, count = pictured(outcome), len(campaign.systems) * len(campaign.cases)
@@ -182,29 +179,16 @@ def _in_words(requirement: Requirement) -> str:
     return f"{requirement.id}{severity}: {requirement.sentence}{more}"
 
 
-def _statistics_section(result: Page, outcome: Outcome) -> None:
-    """Error, bound and what the filter itself predicts, for navigation systems."""
-    rows = statistics(outcome)
-    if not rows:
-        return
-    result.heading("Horizontal error over all runs")
-    result.text(
-        "Median and 95th percentile are taken over the runs at each time; shown is the worst time. 'Predicted' is the "
-        "share of time beyond the limit that the filter's own covariance gives; an honest filter predicts what happens."
-    )
-    result.table(
-        [
-            "variant", "case", "runs", "median, m", "at s", "95th percentile, m", "at s", "limit, m",
-            "time beyond, %", "predicted, %", "runs ever beyond", "inside 3 sigma, %",
-        ],
-        [
-            [
-                s.variant, s.case, s.runs, f"{s.median:.0f}", f"{s.median_time:g}", f"{s.high:.0f}", f"{s.high_time:g}",
-                f"{s.limit:.0f}", f"{s.above:.1f}", f"{s.predicted:.1f}", f"{s.ever} of {s.runs}", f"{s.inside:.1f}",
-            ]
-            for s in rows
-        ],
-    )  # fmt: skip
+def _statistics_section(result: Page, found: list[Found]) -> None:
+    for one in found:
+        result.heading(one.statistic.heading())
+        if one.rows:
+            result.text(one.statistic.explanation())
+            headings, cells = one.statistic.table(one.rows, one.unit)
+            heads = [[row["variant"], row["case"]] for row in one.rows]
+            rows = [head + row for head, row in zip(heads, cells, strict=True)]
+            result.table(["variant", "case", *headings], rows)
+        result.items(one.remarks)
 
 
 def _case_section(result: Page, outcome: Outcome) -> None:
@@ -238,41 +222,25 @@ def _failures(result: Page, outcome: Outcome) -> None:
 
 def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> None:
     """Pictures of one variant in one case."""
-    runs = [judged for judged in outcome.of(variant, case.name) if judged.error is None]
+    every = outcome.of(variant, case.name)
+    runs = [judged for judged in every if judged.error is None]
     if not runs:
         return
-    shown = _worst(outcome, variant, case.name) or runs[0]
-    label = f"{variant}, {case.name}"
-    result.heading(label)
-    for signal in _signals(outcome):
-        image = percentiles(outcome, runs, signal, case, label)
-        if image is not None:
-            many = f"{len(runs)} runs: median, 5th to 95th percentile, and the greatest"
-            text = f"{signal} of {many if len(runs) > 1 else 'one run'}."
-            result.picture(image, f"{label}: {signal} over time", text)
-    image = three_sigma(outcome, runs, shown, case, label)
-    if image is not None:
-        result.picture(
-            image, f"{label}: errors against three sigma", "Shown is the worst run; the share counts all runs."
-        )
-    image = ground_track(outcome, shown, variant, label)
-    if image is not None:
-        result.picture(image, f"{label}: ground track", f"Worst run: {shown.run.experiment.command()}")
-
-
-def _signals(outcome: Outcome) -> list[str]:
-    """The signals of requirements that are worth a curve, the error first."""
-    names = [requirement.signal for requirement in outcome.campaign.requirements]
-    found = dict.fromkeys(["evaluation.horizontal_error", *names] if names else names)
-    system = next(iter(outcome.campaign.systems.values()))
-    kept = []
-    for name in found:
-        try:
-            if system.variable(name.removesuffix("@true")).type == "Real":
-                kept.append(name)
-        except NavfmuError:
+    worst = _worst(outcome, variant, case.name)
+    shown = worst if worst in runs else runs[0]
+    result.heading(f"{variant}, {case.name}")
+    if len(runs) < len(every):
+        result.text(f"{len(every) - len(runs)} of {len(every)} runs ended with an error and are not in the pictures.")
+    if len(every) > 1:
+        which = "the worst run" if shown is worst else "the first run"
+        result.text(f"Where one run is shown it is {which}, seed {shown.run.seed}: {shown.run.experiment.command()}")
+    for picture in pictures_of(outcome, variant):
+        lacking = missing(picture, outcome.campaign.systems[variant].fmus)
+        if lacking:
+            result.text(f"The picture '{picture.kind}' is left out: {variant} has no {', '.join(lacking)}.")
             continue
-    return kept
+        drawn = picture.draw(scene(outcome, variant, case, picture, runs, shown))
+        result.picture(drawn.png, drawn.title, drawn.caption)
 
 
 def _worst(outcome: Outcome, variant: str, case: str) -> Judged | None:
@@ -291,135 +259,3 @@ def _runs_section(result: Page, outcome: Outcome) -> None:
     result.heading("All runs")
     result.text("The recordings are in the folder runs/ beside this report, the findings in runs.csv and runs.parquet.")
     result.folded(f"{len(rows)} runs and their commands", inner)
-
-
-# ---- pictures --------------------------------------------------------------------------------------------------------
-
-
-def percentiles(outcome: Outcome, runs: list[Judged], signal: str, case: Case, label: str) -> bytes | None:
-    """A signal over time in all runs, with the bounds that requirements put on it."""
-    series = [outcome.series(judged, [signal]) for judged in runs]
-    series = [one for one in series if signal in one]
-    if not series:
-        return None
-    time = series[0]["time"]
-    values = np.stack([one[signal].astype(np.float64) for one in series])
-    unit = outcome.campaign.systems[runs[0].run.variant].variable(signal.removesuffix("@true")).unit
-    with figure(size=(9.0, 4.2), below=0.45) as (drawing, axis):
-        if len(series) > 1:
-            low, middle, high = np.quantile(values, (0.05, 0.5, 0.95), axis=0, method="higher")
-            axis.fill_between(
-                time, low, high, color=COLOURS[0], alpha=0.25, linewidth=0, label="5th to 95th percentile"
-            )
-            axis.plot(time, middle, color=COLOURS[0], label="median")
-            axis.plot(time, values.max(axis=0), color=COLOURS[0], linewidth=0.7, linestyle=":", label="greatest")
-        else:
-            axis.plot(time, values[0], color=COLOURS[0], label=f"seed {runs[0].run.seed}")
-        for colour, requirement in zip(COLOURS[1:], _bounds(outcome, signal, label), strict=False):
-            for bound in (requirement.most, requirement.least):
-                if bound is not None:
-                    end = min(requirement.end, time[-1])
-                    text = f"{requirement.id}: {bound:g} {requirement.unit}"
-                    axis.plot([requirement.start, end], [bound, bound], "--", color=colour, linewidth=1.2, label=text)
-        _shade(axis, case, time[-1])
-        axis.set_title(f"{label}: {signal}, {len(series)} runs")
-        axis.set_xlabel("time, s")
-        axis.set_ylabel(f"{signal.rpartition('.')[2].replace('_', ' ')}, {unit or '1'}")
-        axis.set_xlim(time[0], time[-1])
-        axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
-        return png(drawing)
-
-
-def _bounds(outcome: Outcome, signal: str, label: str) -> list[Requirement]:
-    variant, _, case = label.partition(", ")
-    return [r for r in outcome.campaign.requirements if r.signal == signal and r.applies(variant, case)]
-
-
-def _shade(axis: Any, case: Case, end: float) -> None:
-    """Grey where a fault is present."""
-    windows = sorted({(fault.start, min(fault.start + fault.duration, end)) for fault in case.faults})
-    for number, (first, last) in enumerate(windows):
-        names = ", ".join(f.id for f in case.faults if (f.start, min(f.start + f.duration, end)) == (first, last))
-        axis.axvspan(first, last, color=GREY, alpha=0.10, linewidth=0, label=f"fault: {names}" if number < 4 else None)
-
-
-def three_sigma(outcome: Outcome, runs: list[Judged], shown: Judged, case: Case, label: str) -> bytes | None:
-    """North and east error of the shown run inside (or outside) three times the filter's own sigma."""
-    pairs = [(f"evaluation.{axis}_error", f"navigator.{axis}_sigma") for axis in ("north", "east")]
-    names = [name for pair in pairs for name in pair]
-    series = outcome.series(shown, [*names, "navigator.mode"])
-    if not all(name in series for name in names):
-        return None
-    counts = {axis: [0, 0] for axis in ("north", "east")}
-    for judged in runs:
-        one = outcome.series(judged, [*names, "navigator.mode"])
-        known = one.get("navigator.mode", np.ones(len(one["time"]))) > 0
-        for axis, (error, sigma) in zip(counts, pairs, strict=True):
-            counts[axis][0] += int(np.count_nonzero((np.abs(one[error]) <= 3 * one[sigma]) & known))
-            counts[axis][1] += int(np.count_nonzero(known))
-    time = series["time"]
-    with figure(2, 1, size=(9.0, 5.0), sharex=True) as (drawing, axes):
-        for axis, name, (error, sigma) in zip(axes, counts, pairs, strict=True):
-            inside, total = counts[name]
-            bound = 3 * series[sigma]
-            axis.fill_between(
-                time, -bound, bound, color=COLOURS[2], alpha=0.2, linewidth=0, label="3 sigma of the filter"
-            )
-            axis.plot(time, series[error], color=COLOURS[1], linewidth=1.0, label=f"{name} error")
-            _shade(axis, case, time[-1])
-            share = 100 * inside / max(total, 1)
-            axis.set_title(
-                f"{label}: {name} error inside 3 sigma for {share:.1f} % of {total} points of {len(runs)} runs"
-            )
-            axis.set_ylabel(f"{name} error, m")
-            axis.legend(fontsize=8, loc="upper left", ncols=3)
-            reach = max(float(np.nanmax(np.abs(series[error]))), float(np.nanquantile(bound, 0.98)), 1.0)
-            axis.set_ylim(-1.15 * reach, 1.35 * reach)
-        axes[1].set_xlabel(f"time, s   (seed {shown.run.seed})")
-        axes[1].set_xlim(time[0], time[-1])
-        return png(drawing)
-
-
-def ground_track(outcome: Outcome, shown: Judged, variant: str, label: str) -> bytes | None:
-    """Truth and estimate over ground, with the stations near them."""
-    series = outcome.series(shown, [*TRUTH, *ESTIMATE, "navigator.mode"])
-    if not all(name in series for name in (*TRUTH, *ESTIMATE)):
-        return None
-    latitude, longitude = series[TRUTH[0]], series[TRUTH[1]]
-    origin = float(latitude.mean()), float(longitude.mean())
-    scale = EARTH / NAUTICAL_MILE
-
-    def local(lat: Any, lon: Any) -> tuple[Any, Any]:
-        return (lon - origin[1]) * np.cos(origin[0]) * scale, (lat - origin[0]) * scale
-
-    with figure(size=(7.0, 6.2)) as (drawing, axis):
-        east, north = local(latitude, longitude)
-        axis.plot(east, north, color="#000000", linewidth=1.4, label="truth")
-        axis.plot(east[0], north[0], "o", color="#000000", markersize=6, label="start")
-        known = series["navigator.mode"] > 0 if "navigator.mode" in series else np.ones(len(east), bool)
-        e, n = local(series[ESTIMATE[0]], series[ESTIMATE[1]])
-        axis.plot(
-            np.where(known, e, np.nan), np.where(known, n, np.nan), color=COLOURS[1], linewidth=1.0, label="estimate"
-        )
-        stations = _stations(outcome.campaign.systems[variant])
-        if stations:
-            x, y = local(*np.array(stations).T)
-            axis.plot(x, y, "^", color=COLOURS[0], markersize=9, label="DME station")
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.set_title(f"{label}: ground track, seed {shown.run.seed}")
-        axis.set_xlabel(f"east of {np.degrees(origin[1]):.3f} deg, n.mi.")
-        axis.set_ylabel(f"north of {np.degrees(origin[0]):.3f} deg, n.mi.")
-        axis.legend(fontsize=8, loc="best")
-        return png(drawing)
-
-
-def _stations(system: Any) -> list[tuple[float, float]]:
-    """Latitude and longitude (rad) of the stations that the component ``dme`` knows."""
-    try:
-        count = int(system.value("dme.station_count"))
-        return [
-            (float(system.value(f"dme.station_latitude[{i}]")), float(system.value(f"dme.station_longitude[{i}]")))
-            for i in range(1, count + 1)
-        ]
-    except NavfmuError:
-        return []

@@ -67,7 +67,7 @@ def figure(
 def title(drawing: Figure, axis: Any, text: str, pad: float = 6.0) -> None:
     """A title of a panel, in letters small enough to fit over it; ``pad`` (points) is its distance."""
     room = axis.get_position().width * drawing.get_figwidth()
-    wide = 0.0094 * len(text)  # inch for each point of the size of letters
+    wide = 0.0094 * max(len(line) for line in text.split("\n"))  # inch for each point of the size of letters
     axis.set_title(text, pad=pad, fontsize=max(5.0, min(11.0, room / max(wide, 1e-9))))
 
 

@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 from collections.abc import Mapping, Sequence
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 from navfmu.errors import NavfmuError
 from navfmu.files.schema import Field, Table
@@ -34,6 +34,8 @@ class Kind(Table):
 
 class Picture(Kind):
     """A picture of one scene."""
+
+    many: ClassVar[bool] = False  # whether it shows all runs, or one
 
     def draw(self, scene: Scene) -> Drawn:
         """The picture; the scene has all its signals and constants."""

@@ -84,6 +84,11 @@ def words(signal: str) -> str:
     return signal.removesuffix("@true").rpartition(".")[2].replace("_", " ")
 
 
+def readable(value: float) -> str:
+    """A number for people: four digits, no exponent where a person would write none."""
+    return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.4g}"
+
+
 def with_unit(text: str, unit: str) -> str:
     """A number or a name with its unit after it, where it has one."""
     return text if unit in ("", "1") else f"{text} {unit}"

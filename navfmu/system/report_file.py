@@ -114,6 +114,17 @@ def units(entry: Kind, fmus: Fmus) -> dict[str, str]:
     return {name: variable.unit or "" for name, variable in found.items()}
 
 
+def constants(entry: Kind, fmus: Fmus, values: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The parameters that a picture needs, lists for arrays; ``values`` are those given, by component and variable."""
+    found = {}
+    for name in entry.constants():
+        given = values[name.partition(".")[0]]
+        variables = _found(name, fmus, True)
+        numbers = [given.get(variable.name, variable.start) for variable in variables]
+        found[name] = numbers[0] if name.endswith(f".{variables[0].name}") else numbers
+    return found
+
+
 def _found(name: str, fmus: Fmus, array: bool) -> list[Variable]:
     """The variable that a name stands for, or the elements of its array; empty when there is none."""
     component, _, rest = name.removesuffix("@true").partition(".")

@@ -19,6 +19,7 @@ from navfmu.report.scene import Drawn, Scene, with_unit
 STYLES = ("-", "--")
 CURVES = len(STYLES) * len(COLOURS)  # in a panel; more would look alike
 PANELS = 40
+BOOLEAN = "false or true"
 ENTRY = 0.165  # inch for each line of a legend
 LETTER = 0.062  # inch, in a legend
 
@@ -44,8 +45,11 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
     """The picture of the shown run as PNG."""
     run, panels = scene.shown, arrange(scene, signals)
     labels = {name: _label(scene, name) for name in signals}
-    heights = [max(1.7, 0.35 + ENTRY * len(names)) for _, names in panels]
-    right = 0.75 + LETTER * max(len(label) for label in labels.values())
+    rows = [sum(1 + labels[name].count("\n") for name in names) for _, names in panels]
+    heights = [
+        max(0.7 if unit == BOOLEAN else 1.7, 0.2 + ENTRY * count) for (unit, _), count in zip(panels, rows, strict=True)
+    ]
+    right = 0.75 + LETTER * max(len(line) for label in labels.values() for line in label.split("\n"))
     above = shading.height(scene.windows)
     size = (7.9 + right, 0.85 + above + sum(heights) + 0.3 * (len(heights) - 1))
     options = {"sharex": True, "squeeze": False, "gridspec_kw": {"height_ratios": heights}}
@@ -59,9 +63,10 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
                 axis.plot(run.time, run[name], style, color=colour, lw=1.1, drawstyle=draws, label=labels[name])
                 bad = run.time[~np.isfinite(run[name])]
                 axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform())
-            axis.set_ylabel(unit)
-            if unit == "false, true":
-                axis.set_yticks([0, 1])
+            if unit == BOOLEAN:
+                axis.set_yticks([0, 1], ["false", "true"])
+            else:
+                axis.set_ylabel(unit)
             axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0)
         pad = shading.shade(drawing, axes, scene.windows, run.time[0], run.time[-1])
         title(drawing, axes[0], heading, pad)
@@ -76,7 +81,7 @@ def arrange(scene: Scene, signals: Sequence[str]) -> list[tuple[str, list[str]]]
     units: dict[str, list[str]] = {}
     for name in dict.fromkeys(signals):
         boolean = scene.shown.signals[name].dtype.kind == "b"
-        units.setdefault("false, true" if boolean else scene.unit(name) or "1", []).append(name)
+        units.setdefault(BOOLEAN if boolean else scene.unit(name) or "1", []).append(name)
     panels = []
     for unit, names in units.items():
         size = math.ceil(len(names) / math.ceil(len(names) / CURVES))

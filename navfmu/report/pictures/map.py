@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -69,8 +69,9 @@ class Picture(Base):
         run = scene.shown
         truth = [run[name] * RADIANS[scene.unit(name)] for name in self.truth]
         ground = Ground(*truth)
-        sentences = [f"truth {missing}" for missing in [remark([np.add(*truth)])] if missing]
-        with figure(size=(7.0, 6.5), below=0.3) as (drawing, axis):
+        missing = remark([np.add(*truth)])
+        sentences = [f"TRUTH {missing.upper()}"] if missing else []
+        with figure(size=(7.0, 6.7), below=0.3, above=0.2) as (drawing, axis):
             east, north = ground.local(*truth)
             axis.plot(east, north, color="#000000", linewidth=1.4, label="truth")
             axis.plot(*ground.local(*_first(truth)), "o", color="#000000", markersize=6, label="start")
@@ -82,13 +83,15 @@ class Picture(Base):
                     shape, colour = MARKS[number % len(MARKS)], COLOURS[(0, 2, 3, 4)[number % 4]]
                     axis.plot(*places, shape, color=colour, markersize=9, label=mark.label)
             axis.set_aspect("equal", adjustable="datalim")
-            heading = scene.titled(", ".join(["ground track", run.name, *(text.upper() for text in sentences)]))
-            title(drawing, axis, heading)
+            heading, seen = scene.titled(", ".join(filter(None, ["ground track", run.name]))), ", ".join(sentences)
+            title(drawing, axis, f"{heading}\n{seen}")
             axis.set_xlabel(f"east of {ground.meridian}, n.mi.")
             axis.set_ylabel(f"north of {ground.parallel}, n.mi.")
             axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=5)
-            caption = f"Truth{' and estimate' if self.estimate else ''} of {run.name}"
-            return Drawn(png(drawing), heading, f"{caption}; true distances and directions from the middle.")
+            caption = (
+                f"Truth{' and estimate' if self.estimate else ''}; distances and directions from the middle are true."
+            )
+            return Drawn(png(drawing), ": ".join(filter(None, [heading, seen])), caption)
 
     def _estimate(self, axis: Any, ground: Ground, scene: Scene) -> list[str]:
         """Draw the estimate where it is valid; what to say about it."""
@@ -97,8 +100,13 @@ class Picture(Base):
         known = run[self.valid] != 0 if self.valid else np.ones(run.time.size, bool)
         east, north = (np.where(known, values, np.nan) for values in ground.local(*places))
         axis.plot(east, north, color=COLOURS[1], linewidth=1.0, label="estimate")
-        missing = remark([np.add(*places)[known]])
-        return ([f"estimate {missing}"] if missing else []) + ([] if known.any() else ["estimate never valid"])
+        if not known.any():
+            return ["ESTIMATE NEVER VALID"]
+        away = distance(places, [run[name] * RADIANS[scene.unit(name)] for name in self.truth])[known]
+        missing = remark([away])
+        away = away[np.isfinite(away)]
+        found = [f"estimate up to {away.max():.3g} n.mi. off"] if away.size else []
+        return found + ([f"ESTIMATE {missing.upper()}"] if missing else [])
 
 
 class Ground:
@@ -137,6 +145,12 @@ class Ground:
         across = np.hypot(east, north)
         scale = np.divide(np.arctan2(across, up), across, out=np.ones_like(across), where=across > 0)
         return east * scale * EARTH / NAUTICAL_MILE, north * scale * EARTH / NAUTICAL_MILE
+
+
+def distance(places: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> np.ndarray:
+    """Distance over ground between two series of latitude and longitude (rad), nautical miles."""
+    chord = np.linalg.norm(_directions(*places) - _directions(*others), axis=0)
+    return 2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)) * EARTH / NAUTICAL_MILE
 
 
 def _directions(latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:

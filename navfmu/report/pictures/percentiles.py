@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import cycle
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import extremes, remark
 from navfmu.report.kind import Picture as Base
-from navfmu.report.scene import Bound, Drawn, Scene, with_unit, words
+from navfmu.report.scene import Bound, Drawn, Scene, readable, with_unit, words
 
 LEGEND = 0.19  # inch for each row of the legend
 COLUMNS = 4
@@ -23,6 +23,7 @@ COLUMNS = 4
 class Picture(Base):
     """A signal over time in all runs, with the bounds that requirements put on it."""
 
+    many: ClassVar[bool] = True
     kind: Literal["percentiles"]
     signal: str = Field(description="the signal")
 
@@ -36,7 +37,7 @@ class Picture(Base):
         least, greatest = extremes(values)
         many = len(scene.runs) > 1
         text = f"{self.signal}, {f'{len(scene.runs)} runs' if many else scene.runs[0].name}"
-        text += f", {with_unit(f'{least:.4g} to {greatest:.4g}', unit)}" if math.isfinite(least) else ""
+        text += f", {with_unit(f'{readable(least)} to {readable(greatest)}', unit)}" if math.isfinite(least) else ""
         heading = scene.titled(text + (f"; {missing.upper()}" if missing else ""))
         bounds = _distinct([bound for bound in scene.bounds if bound.signal == self.signal])
         entries = (4 if many else 1) + len(bounds)
@@ -79,7 +80,7 @@ class Picture(Base):
         finite = np.where(np.isfinite(values), values, -np.inf)
         run, point = np.unravel_index(np.argmax(finite), finite.shape)
         if np.isfinite(finite[run, point]):
-            value = with_unit(f"{values[run, point]:.4g}", unit)
+            value = with_unit(readable(values[run, point]), unit)
             text += f"; greatest: {value} at t = {scene.runs[run].time[point]:g} s, {scene.runs[run].name}"
         return f"{text}. {f'The signal is {missing}; these are left out of the curves.' if missing else ''}".strip()
 
@@ -105,6 +106,6 @@ def _distinct(bounds: Sequence[Bound]) -> list[tuple[str, float, float, float]]:
                 names = lines.setdefault((level, bound.start, bound.end, bound.unit), [])
                 names += [bound.name] if bound.name not in names else []
     return [
-        (f"{', '.join(names)}: {with_unit(f'{level:g}', unit)}", level, start, end)
+        (f"{', '.join(names)}: {with_unit(readable(level), unit)}", level, start, end)
         for (level, start, end, unit), names in lines.items()
     ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class Axis(Table):
 class Picture(Base):
     """Errors over time against k times the sigma that is claimed, with the share of all runs that is inside."""
 
+    many: ClassVar[bool] = True
     kind: Literal["sigma"]
     axes: list[Axis] = Field(min_length=1, description="errors and their sigmas, one panel each")
     valid: str | None = Field(None, description="points count where this signal is not 0; default: all")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from navfmu.campaign.navigation import beyond
+from navfmu.report.statistics.radial import beyond
 
 
 def test_the_probability_of_a_large_error_has_its_closed_forms():

@@ -1,0 +1,58 @@
+"""Which pictures a variant in a case gets, and what they are drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from navfmu.campaign.definition import Case
+from navfmu.campaign.outcome import Judged, Outcome
+from navfmu.errors import NavfmuError
+from navfmu.report.kind import Picture
+from navfmu.report.pictures import percentiles
+from navfmu.report.scene import Bound, Recorded, Scene
+from navfmu.system.scene import scene_of
+
+
+def pictures_of(outcome: Outcome, variant: str) -> list[Picture]:
+    """Those of the system's report file, and the signals of requirements that have no picture there."""
+    campaign = outcome.campaign
+    system = campaign.systems[variant]
+    found = list(system.report.pictures) if system.report else []
+    shown = {name for picture in found if isinstance(picture, percentiles.Picture) for name in picture.needs()}
+    for name in dict.fromkeys(requirement.signal for requirement in campaign.requirements):
+        try:
+            worth_a_curve = system.variable(name.removesuffix("@true")).type == "Real"
+        except NavfmuError:  # another variant's
+            continue
+        if worth_a_curve and name not in shown:
+            found.append(percentiles.Picture(kind="percentiles", signal=name))
+    return found
+
+
+def scene(outcome: Outcome, variant: str, case: Case, picture: Picture, runs: Sequence[Judged], shown: Judged) -> Scene:
+    """What a picture of these runs is drawn from; pictures of one run show ``shown``."""
+    signals = picture.needs()
+    series = {judged.run.key: recorded(outcome, judged, signals) for judged in (runs if picture.many else [shown])}
+    return scene_of(
+        picture,
+        shown.run.experiment,
+        list(series.values()),
+        series[shown.run.key],
+        f"{variant}, {case.name}",
+        bounds_of(outcome, variant, case.name),
+    )
+
+
+def recorded(outcome: Outcome, judged: Judged, signals: Sequence[str]) -> Recorded:
+    """Recorded signals of a run."""
+    series = outcome.series(judged, signals)
+    return Recorded(f"seed {judged.run.seed}", series.pop("time"), series)
+
+
+def bounds_of(outcome: Outcome, variant: str, case: str) -> list[Bound]:
+    """What requirements ask of a variant in a case."""
+    return [
+        Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end)
+        for r in outcome.campaign.requirements
+        if r.applies(variant, case)
+    ]
