@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
+from rich.text import Text
 
-from navfmu.campaign.outcome import Outcome
+from navfmu.campaign.outcome import Cell, Outcome
 from navfmu.terminal.console import console
+from navfmu.terminal.table import Column, Kind, Table
 
 SEEN = 12  # violated cells that are told in words; the report tells all
 
@@ -40,23 +41,21 @@ def show(outcome: Outcome) -> None:
 def _matrix(out: Console, outcome: Outcome) -> None:
     campaign = outcome.campaign
     cells = {(cell.variant, cell.case, cell.requirement.id): cell for cell in outcome.cells}
-    table = Table(title="verdicts (runs that hold / runs)", title_justify="left", box=None, pad_edge=False)
-    for heading in ("variant", "case"):
-        table.add_column(heading, no_wrap=True)
-    for requirement in campaign.requirements:
-        table.add_column(requirement.id, no_wrap=True)
-    for variant in campaign.systems:
-        for case in campaign.cases:
-            row = [variant, case.name]
-            for requirement in campaign.requirements:
-                cell = cells.get((variant, case.name, requirement.id))
-                if cell is None:
-                    row.append("[dim]not asked[/]")
-                else:
-                    verdict = "[green]holds[/]" if cell.passed else "[red]VIOLATED[/]"
-                    row.append(f"{verdict} {cell.held}/{cell.total}")
-            table.add_row(*row)
-    out.print(table)
+    columns = [Column("variant", Kind.NAME), Column("case", Kind.NAME)]
+    columns += [Column(requirement.id, Kind.WORD) for requirement in campaign.requirements]
+    rows = [
+        [variant, case.name, *(_verdict(cells.get((variant, case.name, r.id))) for r in campaign.requirements)]
+        for variant in campaign.systems
+        for case in campaign.cases
+    ]
+    out.print(Table(columns, rows, "verdicts (runs that hold / runs)"))
+
+
+def _verdict(cell: Cell | None) -> Text:
+    if cell is None:
+        return Text("not asked", style="dim")
+    verdict = ("holds", "green") if cell.passed else ("VIOLATED", "red")
+    return Text.assemble(verdict, f" {cell.held}/{cell.total}")
 
 
 def _violated(out: Console, outcome: Outcome) -> None:

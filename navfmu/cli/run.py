@@ -31,6 +31,6 @@ def command(system: str, out: str | None, **given: Any) -> None:
     tell(frame.attrs["notes"])
     if out is not None:
         result.write(frame, out)
-    from navfmu.cli.info import summarise
+    from navfmu.cli.summary import summarise
 
-    summarise(frame, out)
+    summarise(frame, loaded, out)

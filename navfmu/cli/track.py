@@ -44,19 +44,17 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
 
 
 def _print(imported, out, picture) -> None:
-    from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
 
-    console = Console()
-    flight = imported.flight
-    console.print(f"{imported.source}: {flight.duration / 60.0:.1f} minutes of flight", highlight=False)
+    from navfmu.terminal.console import console, say
+    from navfmu.terminal.table import Column, Kind, Table
+
+    screen = console()
+    say(screen, f"{imported.source}: {imported.flight.duration / 60.0:.1f} minutes of flight")
     for sentence in imported.sentences():
-        console.print(f"  - {sentence}", highlight=False, soft_wrap=True)
-    table = Table(title="recorded minus smoothed", title_justify="left")
-    table.add_column("quantity")
-    for heading in ("unit", "rows", "rms", "95 %", "largest"):
-        table.add_column(heading, justify="left" if heading == "unit" else "right")
-    for quantity, unit, count, *numbers in imported.residual_table():
-        table.add_row(quantity, unit, str(count), *(f"{x:.2f}" for x in numbers))
-    console.print(table)
-    console.print(f"wrote {out}" + (f" and {picture}" if picture else ""), highlight=False, soft_wrap=True)
+        say(screen, f"- {sentence}", indent=2, hang=2)
+    columns = [Column("quantity", Kind.WORD), Column("unit", Kind.WORD)]
+    columns += map(Column, ("rows", "rms", "95 %", "largest"))
+    rows = [[name, unit, str(n), *(f"{x:.2f}" for x in rest)] for name, unit, n, *rest in imported.residual_table()]
+    screen.print(Table(columns, rows, "recorded minus smoothed", keys=2))
+    screen.print(Text(f"wrote {out}" + (f" and {picture}" if picture else "")), soft_wrap=True)

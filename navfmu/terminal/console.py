@@ -16,18 +16,25 @@ def console() -> Console:
     return out if out.is_terminal or _columns() else Console(highlight=False, width=FILE_WIDTH)
 
 
-def say(out: Console, text: str | Text, indent: int = 0) -> None:
+def say(out: Console, text: str | Text, indent: int = 0, hang: int = 0) -> None:
     """A sentence, wrapped between words; in a file it stays one line, so that it can be searched for.
 
-    Paths are printed with ``soft_wrap`` instead: what is to be copied has no breaks.
+    All lines are moved in by ``indent``, those after the first by ``hang`` more. Paths
+    are printed with ``soft_wrap`` instead: what is to be copied has no breaks.
     """
-    content, space = text if isinstance(text, Text) else Text(text), " " * indent
+    content = text if isinstance(text, Text) else Text(text)
     if not (out.is_terminal or _columns()):
-        out.print(Text(space) + content, soft_wrap=True)
+        out.print(Text(" " * indent) + content, soft_wrap=True)
         return
-    for line in content.wrap(out, max(out.width - indent, 1)):
+    room = max(out.width - indent, 1)
+    first, *rest = content.wrap(out, room) if content else [content]
+    if rest and hang:
+        tail = content[len(first) :]
+        tail = tail[len(tail) - len(tail.plain.lstrip()) :]
+        rest = tail.wrap(out, max(room - hang, 1))
+    for number, line in enumerate([first, *rest]):
         line.rstrip()
-        out.print(Text(space) + line, no_wrap=True)
+        out.print(Text(" " * (indent + (hang if number else 0))) + line, no_wrap=True)
 
 
 def _columns() -> bool:

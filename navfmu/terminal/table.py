@@ -132,7 +132,7 @@ class Table:
 
     def _side_by_side(self, widths: dict[int, int], sentence: int | None = None, width: int = 0) -> list[Text]:
         headings = {i: textwrap.wrap(self.columns[i].heading, size) or [""] for i, size in widths.items()}
-        lines = self._row(headings, widths, "dim")
+        lines = self._row(headings, widths, "dim") if any(self.columns[i].heading for i in widths) else []
         for row in self.rows:
             cells = {i: self._cell(row[i], i, size) for i, size in widths.items()}
             lines += self._row(cells, widths)
