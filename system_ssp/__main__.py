@@ -26,7 +26,7 @@ def main() -> None:
 def write() -> None:
     """Write the documents, and print what was written."""
     for folder, source in sources(HERE, HERE.parent / "dist").items():
-        for path in source.write(folder):
+        for path in source.write(folder, fmus=False):  # the FMUs are found among the shipped ones
             click.echo(path.relative_to(HERE.parent))
 
 

@@ -5,8 +5,8 @@
     source.connect("aircraft.rate", "imu.rate")          # arrays and bundles connect member by member
     source.parameters("imu", {"gyro_drift_sigma": "1 deg/h"}, name="imu_tactical")
     source.variant("scanning", parameters={"dme": {"mode": 3}})
-    source.write("system_ssp/backup_navigator")
-    source.pack("dist/backup_navigator.ssp")
+    source.write("system")                               # a folder that runs
+    source.pack("dist/backup_navigator.ssp")             # the same as one file
 
 The result is the subset of SSP that other hosts read too: flat, no connectors at the root, only connectors that are
 connected inputs or outputs, the same unit at both ends, and one parameter set for each component, always named
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -125,7 +125,14 @@ class SystemSource:
 
     def attach(self, name: str, file: str | Path) -> SystemSource:
         """Carry a file along, for example ``faults/gps_lost.toml``; it lands under ``extra/`` of the package."""
-        self._extra[f"extra/{name}"] = Path(file).read_bytes()
+        where = f"{self.name}: attachment '{name}'"
+        path = PurePosixPath(name)
+        if path.is_absolute() or ".." in path.parts or "\\" in name or not path.name:
+            raise NavfmuError(f"{where}: expected a name such as faults/gps_lost.toml")
+        try:
+            self._extra[f"extra/{path}"] = Path(file).read_bytes()
+        except OSError as error:
+            raise NavfmuError(f"{where}: {file} cannot be read: {error.strerror or error}") from None
         return self
 
     @property
@@ -144,10 +151,14 @@ class SystemSource:
                     )
         return files
 
-    def write(self, folder: str | Path) -> list[Path]:
-        """Write the documents into a folder (the FMUs stay where they are); return the paths."""
+    def write(self, folder: str | Path, *, fmus: bool = True) -> list[Path]:
+        """Write the system into a folder, ready to run, and return the paths.
+
+        The FMUs go to ``resources/``, attachments to ``extra/``; ``fmus=False`` writes the documents alone. A file that
+        has not changed stays untouched.
+        """
         written = []
-        for name, content in self.files().items():
+        for name, content in (self._content(None) if fmus else self.files()).items():
             path = Path(folder) / name
             if not path.is_file() or path.read_bytes() != content:
                 write_file(path, content)
@@ -155,10 +166,14 @@ class SystemSource:
         return written
 
     def pack(self, file: str | Path, variant: str | None = None) -> Path:
-        """Pack documents and FMUs into an .ssp; with ``variant`` only that one, as its main system.
+        """Pack documents, FMUs and attachments into an .ssp; with ``variant`` only that one, as its main system.
 
         The same content gives the same bytes.
         """
+        return write_file(file, zipped(self._content(variant), stored=".fmu"))
+
+    def _content(self, variant: str | None) -> dict[str, bytes]:
+        """Everything by relative path, the main document first: of the whole system, or of one variant alone."""
         if variant is None:
             entries = self.files()
             used = {f for v in (None, *self._variants) for f in self._components(v).values()}
@@ -172,8 +187,7 @@ class SystemSource:
             content = fmu.read_bytes()
             if entries.setdefault(name, content) != content:
                 raise NavfmuError(f"{self.name}: two different FMUs are named {fmu.name}")
-        names = sorted(entries, key=lambda name: (name != MAIN, name))
-        return write_file(file, zipped({name: entries[name] for name in names}, stored=".fmu"))
+        return {name: entries[name] for name in sorted(entries, key=lambda name: (name != MAIN, name))}
 
     # -- what was said so far ------------------------------------------------------------------------------------
 
