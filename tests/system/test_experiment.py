@@ -1,0 +1,153 @@
+"""One value travels: keys, provenance and commands are views of the experiment, and what Python gets wrong is told."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import warnings
+from dataclasses import replace
+
+import grimp
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from navfmu import Experiment, NavfmuError, NavfmuWarning, System
+from navfmu.cli.main import main
+from navfmu.faults import Fault
+from navfmu.system import provenance
+from navfmu.system.result import read
+from tests.components import systems
+
+BIAS = Fault("b", "lag.y", "bias", 1.0, 2.0, {"value": 0.5})
+
+
+@pytest.fixture(scope="module")
+def system() -> System:
+    return System.load(systems.tracker())
+
+
+@pytest.fixture(scope="module")
+def experiment(system) -> Experiment:
+    return system.experiment(stop=5.0, seed=3, faults=[BIAS], record=["lag", "sensor.reading"])
+
+
+CHANGES = {
+    "stop": 6.0,
+    "step": 0.05,
+    "algorithm": "jacobi",
+    "seed": 4,
+    "faults": [replace(BIAS, start=1.1)],
+    "record": ["lag"],
+    "record_period": 0.5,
+    "parameters": {"lag.tau": 2.0},
+    "engine": "reference",
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_key_covers_everything_that_is_done(experiment, name):
+    assert replace(experiment, **{name: CHANGES[name]}).key != experiment.key
+
+
+def test_a_key_covers_the_system_and_the_package(experiment, system, monkeypatch):
+    assert replace(experiment).key == experiment.key
+    slow = System.load(systems.tracker(), "slow")
+    assert replace(experiment, system=slow).key != experiment.key
+    before = experiment.key
+    monkeypatch.setattr(provenance, "package_hash", lambda: "mended")
+    assert replace(experiment).key != before
+
+
+def test_the_hash_of_the_package_covers_every_module_that_makes_a_recording():
+    graph = grimp.build_graph("navfmu", cache_dir=None)
+    used = set(graph.find_upstream_modules("navfmu.system.system"))
+    used |= {m for name in ("compiled", "reference") for m in graph.find_upstream_modules(f"navfmu.engine.{name}")}
+    rooms = {module.split(".")[1] for module in used if "." in module}
+    # the toolchain, which engine/library.py hashes itself, and what a system says about its report
+    assert rooms - set(provenance.ROOMS) == {"export", "report"}
+    assert {m for m in used if m.startswith("navfmu.export.")} == {"navfmu.export.toolchain"}
+
+
+def test_a_changed_line_in_any_of_these_rooms_changes_the_hash(tmp_path, monkeypatch):
+    file = tmp_path / "engine" / "plan.py"
+    file.parent.mkdir()
+    monkeypatch.setattr(provenance, "_PACKAGE", tmp_path)
+    hashes = []
+    for text in ("x = 1\n", "x = 2\n"):
+        file.write_text(text)
+        provenance.package_hash.cache_clear()
+        hashes.append(provenance.package_hash())
+    provenance.package_hash.cache_clear()
+    assert hashes[0] != hashes[1]
+
+
+def test_a_description_survives_json_and_becomes_the_same_experiment(experiment, system):
+    text = json.dumps(experiment.describe())
+    again = Experiment.restored(json.loads(text), system)
+    assert again.key == experiment.key and json.dumps(again.describe()) == text
+    with pytest.raises(NavfmuError, match="is not the system that was run"):
+        Experiment.restored(json.loads(text), System.load(systems.tracker(), "slow"))
+
+
+def test_the_command_repeats_what_python_did_faults_included(system, tmp_path):
+    faults = [
+        BIAS,
+        Fault("n", "sensor.reading.length", "noise", 0.5, parameters={"sigma": 0.1, "period": 0.2, "stream": 7}),
+        Fault(
+            "i", "lag.bias", "input", 2.0, 1.0, {"value": -1.5}, fmea="F7", description='a "quoted" text, with commas'
+        ),
+    ]
+    frame = system.run(
+        stop=5.0, step=0.05, seed=9, faults=["stuck", *faults], algorithm="jacobi", record=["lag", "*.length"],
+        parameters={"lag.tau": "2 s", "truth.amplitude": np.float64(3.5)}, record_period=0.25,
+    )  # fmt: skip
+    words = shlex.split(frame.attrs["provenance"]["command"])
+    out = tmp_path / "again.parquet"
+    done = CliRunner().invoke(main, [*words[1:], "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    again = read(out)
+    assert again.equals(frame)
+    assert again.attrs["provenance"] | {"command": ""} == frame.attrs["provenance"] | {"command": ""} | {
+        "parameters": {"lag.tau": "2 s", "truth.amplitude": "3.5"}
+    }
+
+
+WRONG = {
+    "a fault as a table": ({"faults": [{"id": "x"}]}, "is not a fault; expected the name of a fault file, or a Fault"),
+    "a number as a signal": ({"record": [1]}, "record: 1 is not the name of a signal"),
+    "an argument that is misspelt": ({"fault": BIAS}, "an experiment has no 'fault'; did you mean 'faults'"),
+    "parameters as a list": ({"parameters": ["lag.tau"]}, "expected values by name"),
+    "a seed that is a truth": ({"seed": True}, "the seed is True, expected a whole number"),
+    "an engine that there is not": ({"engine": "compield"}, "unknown engine 'compield'; did you mean 'compiled'"),
+    "two faults of one name": ({"faults": [BIAS, BIAS]}, "two faults have the id 'b'"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_python_answers_in_a_sentence(system, name):
+    given, sentence = WRONG[name]
+    with pytest.raises(NavfmuError, match=sentence):
+        system.run(stop=1.0, **given)
+
+
+def test_one_fault_needs_no_list(system):
+    alone = system.run(stop=3.0, faults=BIAS, record="lag.y")
+    assert alone.equals(system.run(stop=3.0, faults=[BIAS], record=["lag.y"]))
+
+
+def test_notes_reach_python_as_warnings_and_the_result():
+    ring = System.load(systems.ring())
+    with pytest.warns(NavfmuWarning, match="the system has cycles; one communication step late: m5.y -> m0.u"):
+        frame = ring.run()
+    assert any("cycles" in note for note in frame.attrs["notes"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ring.run(algorithm="jacobi")
+
+
+def test_lost_samples_and_what_has_no_effect_are_notes(system):
+    with pytest.warns(NavfmuWarning, match="were lost"):
+        frame = system.run(stop=5.0, step=1.0, record=["lag.y"])
+    done = CliRunner().invoke(main, ["run", str(systems.tracker()), "--stop", "5", "--step", "1"])
+    assert done.exit_code == 0 and "were lost" in done.stderr and any("were lost" in n for n in frame.attrs["notes"])
