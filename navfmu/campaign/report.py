@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from navfmu.campaign.definition import Case
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.scenes import pictures_of, scene
+from navfmu.campaign.seeds import seeds_text
 from navfmu.campaign.statistics import Found, statistics
 from navfmu.files.writing import replacing, write_file
 from navfmu.report.page import Page
@@ -40,21 +42,27 @@ def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Pa
 
 def provenance(outcome: Outcome) -> dict[str, Any]:
     """What is needed to repeat the campaign. Nothing in it depends on how it was run."""
-    from navfmu.system.provenance import versions
+    from navfmu.system.provenance import environment
 
     campaign = outcome.campaign
+    seeds = ["--seeds", seeds_text(campaign.seeds)]
     return {
         "campaign": str(campaign.path),
         "system": str(campaign.system),
         "digests": {name: system.digest for name, system in campaign.systems.items()},
         "fmus": {name: system.hashes() for name, system in campaign.systems.items()},
+        "cases": {
+            case.name: {"faults": [fault.describe() for fault in case.faults], "parameters": case.parameters}
+            for case in campaign.cases
+        },
+        "requirements": {requirement.id: requirement.sentence for requirement in campaign.requirements},
         "seeds": list(campaign.seeds),
         "stop": campaign.stop,
         "step": campaign.step,
         "algorithm": campaign.algorithm,
         "parameters": campaign.parameters,
-        "versions": versions(),
-        "command": f"navfmu campaign {campaign.path}",
+        "versions": environment(),
+        "command": shlex.join(["navfmu", "campaign", str(campaign.path), *seeds]),
     }
 
 
@@ -115,6 +123,7 @@ def page(outcome: Outcome, about: dict[str, Any], numbers: list[Found], note: No
     _statistics_section(result, numbers)
     _case_section(result, outcome)
     _failures(result, outcome)
+    _notes(result, outcome)
     chosen, count = pictured(outcome), len(campaign.systems) * len(campaign.cases)
     if count > len(chosen):
         result.text(
@@ -218,6 +227,22 @@ def _failures(result: Page, outcome: Outcome) -> None:
             ["variant", "case", "seed", "error"],
             [[j.run.variant, j.run.case.name, str(j.run.seed), j.error] for j in failed],
         )
+
+
+def _notes(result: Page, outcome: Outcome) -> None:
+    """What else the reader of a verdict must know: values that are no numbers, and what the runs noted."""
+    strange = [judged for judged in outcome.runs if judged.answer.not_finite]
+    if strange:
+        result.heading("Signals that are not finite")
+        result.text("NaN and infinity count as outside every bound; a campaign with such a run does not pass.")
+        rows = []
+        for judged in strange:
+            where = [judged.run.variant, judged.run.case.name, str(judged.run.seed)]
+            rows += [[*where, name, str(count)] for name, count in judged.answer.not_finite.items()]
+        result.table(["variant", "case", "seed", "signal", "recorded points"], rows)
+    if outcome.notes:
+        result.heading("Notes")
+        result.items(f"{note} (in {count} of {len(outcome.runs)} runs)" for note, count in outcome.notes.items())
 
 
 def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> None:

@@ -30,3 +30,14 @@ def parse_seeds(value: str | Sequence[int | str], error: Callable[[str], NavfmuE
         if not 0 <= seed < 2**31:
             raise error(f"the seed {seed} is out of range: expected 0 to 2147483647")
     return tuple(seeds)
+
+
+def seeds_text(seeds: Sequence[int]) -> str:
+    """The seeds as ``parse_seeds`` reads them: runs of neighbours by their ends."""
+    parts: list[list[int]] = []
+    for seed in seeds:
+        if parts and seed == parts[-1][1] + 1:
+            parts[-1][1] = seed
+        else:
+            parts.append([seed, seed])
+    return ",".join(f"{first}" if first == last else f"{first}-{last}" for first, last in parts)

@@ -86,7 +86,7 @@ def _provenance(
     words = replace(experiment, seed=seed).words("sweep")
     words += ["--steps", ",".join(map(number, steps)), "--tolerance", f"{100 * tolerance:.12g}"]
     if experiment.record != tuple(experiment.system.signals()):
-        words += [word for name in experiment.record for word in ("--signals", name)]
+        words += ["--signals", ",".join(experiment.record)]
     return about | {"steps": list(steps), "period": period, "tolerance": tolerance, "command": shlex.join(words)}
 
 

@@ -234,7 +234,7 @@ class Experiment:
         if self.engine != ENGINES[0]:
             words += ["--engine", self.engine]
         if self.record != tuple(self.system.signals()):
-            words += [word for name in self.record for word in ("--record", name)]
+            words += ["--record", ",".join(self.record)]
         return shlex.join([*words, "--record-period", number(self.record_period)])
 
     def words(self, verb: str) -> list[str]:

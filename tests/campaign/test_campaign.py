@@ -384,3 +384,10 @@ def test_the_command_in_the_report_repeats_the_run(done, tmp_path):
     assert result.exit_code == 0, result.output
     kept = read(run.recording(done[1]))
     assert read(out)["estimator.solution.length"].equals(kept["estimator.solution.length"])
+
+
+@pytest.mark.parametrize("text", ["1", "1-8", "3,1-2,9", "7-8,1"])
+def test_seeds_are_written_as_they_are_read(text):
+    from navfmu.campaign.seeds import parse_seeds, seeds_text
+
+    assert seeds_text(parse_seeds(text, NavfmuError)) == text

@@ -46,10 +46,8 @@ def wrecked(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess]:
     """The folder of a campaign with every kind of wreck, and what its command said."""
     folder = tmp_path_factory.mktemp("wrecks")
     wreck(folder)
-    text = (
-        HEAD
-        + '\n[parameters]\n"probe.start" = 1.0\n\n[[case]]\nname = "good"\n\n[[case]]\nname = "nan"\nparameters = { "probe.tau" = 0.0 }\n'
-    )
+    text = HEAD + '\n[parameters]\n"probe.start" = 1.0\n'
+    text += '\n[[case]]\nname = "good"\n\n[[case]]\nname = "nan"\nparameters = { "probe.tau" = 0.0 }\n'
     for name, way in WAYS.items():
         parameters = f'{{ "probe.fail_status" = {way}, "probe.fail_at" = 0.75 }}'
         text += f'\n[[case]]\nname = "{name}"\nparameters = {parameters}\n'
