@@ -8,8 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from navfmu.campaign.definition import Case
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
@@ -17,6 +15,7 @@ from navfmu.campaign.scenes import pictures_of, scene
 from navfmu.campaign.seeds import seeds_text
 from navfmu.campaign.statistics import Found, statistics
 from navfmu.files.writing import replacing, write_file
+from navfmu.report import faults
 from navfmu.report.page import Page
 from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
@@ -197,7 +196,8 @@ def _statistics_section(result: Page, found: list[Found]) -> None:
             heads = [[row["variant"], row["case"]] for row in one.rows]
             rows = [head + row for head, row in zip(heads, cells, strict=True)]
             result.table(["variant", "case", *headings], rows)
-        result.items(one.remarks)
+        if one.remarks:
+            result.items(one.remarks)
 
 
 def _case_section(result: Page, outcome: Outcome) -> None:
@@ -206,14 +206,9 @@ def _case_section(result: Page, outcome: Outcome) -> None:
     for case in outcome.campaign.cases:
         if not case.faults:
             rows.append([case.name, case.description, "", "", "", ""])
-        for fault in case.faults:
-            values = ", ".join(f"{key} = {value}" for key, value in fault.parameters.items())
-            end = fault.start + fault.duration
-            when = f"{fault.start:g} to {end:g}" if np.isfinite(end) else f"from {fault.start:g}"
-            kind = f"{fault.type}{' (' + values + ')' if values else ''}"
-            rows.append([case.name, case.description, fault.id, fault.target, kind, when])
+        rows += [[case.name, case.description, *faults.cells(fault.describe())] for fault in case.faults]
     result.heading("Cases")
-    headings = ["case", "description", "fault", "target", "type", "time, s"]
+    headings = ["case", "description", *faults.HEADINGS]
     if not any(case.description for case in outcome.campaign.cases):
         headings, rows = headings[:1] + headings[2:], [row[:1] + row[2:] for row in rows]
     result.table(headings, rows)

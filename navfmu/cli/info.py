@@ -9,11 +9,11 @@ import click
 from rich.console import Console
 from rich.text import Text
 
-from navfmu.cli.display import Display
 from navfmu.errors import NavfmuError
 from navfmu.fmi.fmu import Description, Variable, binaries, describe, platforms
 from navfmu.ssp import reader
 from navfmu.system import shipped
+from navfmu.system.display import Display
 from navfmu.terminal.console import console, say
 from navfmu.terminal.table import Column, Kind, Table
 

@@ -18,19 +18,29 @@ from navfmu.cli.options import load, system_options, tell
               help="Signal, array, bundle or pattern to record; may be repeated or a list with commas.")  # fmt: skip
 @click.option("--record-period", type=float, metavar="S", help="Time between recorded values, s.")
 @click.option("--out", metavar="FILE", help="Write the recording to FILE.parquet or FILE.csv.")
-def command(system: str, out: str | None, **given: Any) -> None:
+@click.option("--report", metavar="DIR", help="Write the recording and a report with pictures into this folder.")
+def command(system: str, out: str | None, report: str | None, **given: Any) -> None:
     """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
     from navfmu.system import result
     from navfmu.terminal.progress import Progress
 
     if out is not None:
         result.check_target(out)
+    if report is not None:
+        result.check_folder(report)
     loaded, given = load(system, given)
+    if report is not None:
+        from navfmu.system.run_report import to_record, write_report
+
+        named, given["record"] = given["record"], to_record(given["record"], loaded)
+    experiment = loaded.experiment(**given)
     with Progress(loaded.name) as progress:
-        frame = loaded.experiment(**given).run(progress)
+        frame = experiment.run(progress)
     tell(frame.attrs["notes"])
     if out is not None:
         result.write(frame, out)
     from navfmu.cli.summary import summarise
 
     summarise(frame, loaded, out)
+    if report is not None:
+        click.echo(f"report: {write_report(frame, experiment, report, loaded.signals(named) if named else ())}")

@@ -20,6 +20,7 @@ STYLES = ("-", "--")
 CURVES = len(STYLES) * len(COLOURS)  # in a panel; more would look alike
 PANELS = 40
 BOOLEAN = "false or true"
+WHOLE = "whole number"  # counters and modes keep apart from shares
 ENTRY = 0.165  # inch for each line of a legend
 LETTER = 0.062  # inch, in a legend
 
@@ -60,7 +61,8 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
                 style = STYLES[number // len(COLOURS)]
                 draws = "default" if run.signals[name].dtype.kind == "f" else "steps-post"
                 colour = COLOURS[number % len(COLOURS)]
-                axis.plot(run.time, run[name], style, color=colour, lw=1.1, drawstyle=draws, label=labels[name])
+                width = 1.1 + (2.0 * (len(names) - 1 - number) / len(names) if unit == BOOLEAN else 0.0)  # none hides
+                axis.plot(run.time, run[name], style, color=colour, lw=width, drawstyle=draws, label=labels[name])
                 bad = run.time[~np.isfinite(run[name])]
                 axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform())
             if unit == BOOLEAN:
@@ -80,8 +82,9 @@ def arrange(scene: Scene, signals: Sequence[str]) -> list[tuple[str, list[str]]]
     """The text on the axis and the signals of each panel: by unit, in the order in which they are named."""
     units: dict[str, list[str]] = {}
     for name in dict.fromkeys(signals):
-        boolean = scene.shown.signals[name].dtype.kind == "b"
-        units.setdefault(BOOLEAN if boolean else scene.unit(name) or "1", []).append(name)
+        kind = scene.shown.signals[name].dtype.kind
+        unit = scene.unit(name) or (WHOLE if kind in "iu" else "1")
+        units.setdefault(BOOLEAN if kind == "b" else unit, []).append(name)
     panels = []
     for unit, names in units.items():
         size = math.ceil(len(names) / math.ceil(len(names) / CURVES))

@@ -1,0 +1,64 @@
+"""A picture of some signals of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from navfmu.errors import NavfmuError
+from navfmu.files.writing import write_file
+from navfmu.report.pictures import lines
+from navfmu.report.scene import Recorded, Scene
+from navfmu.system import result
+from navfmu.system.names import chosen
+from navfmu.system.scene import windows
+
+if TYPE_CHECKING:
+    import pandas
+
+
+def read(file: str | Path) -> pandas.DataFrame:
+    """A recording with at least one row; refuses other tables."""
+    path = Path(file)
+    kinds = " or ".join(result.SUFFIXES)
+    if path.is_file() and path.suffix.lower() not in result.SUFFIXES:
+        raise NavfmuError(f"{path}: is not a recording; expected a file whose name ends in {kinds}")
+    frame = result.read(path)
+    text = [name for name in frame if frame[name].dtype.kind not in "fiub"]
+    if frame.index.name != "time" or frame.index.dtype.kind not in "fiu" or text:
+        why = f"'{text[0]}' holds texts" if text else "it has no column 'time' of numbers"
+        raise NavfmuError(f"{path}: is not a recording of a run: {why}")
+    if not len(frame) or not len(frame.columns):
+        raise NavfmuError(f"{path}: holds no recorded values")
+    return frame
+
+
+def beside(file: str | Path) -> Path:
+    """The picture's default name."""
+    return Path(file).with_suffix(".png")
+
+
+def write(frame: pandas.DataFrame, names: Sequence[str], file: str | Path, target: str | Path) -> list[str]:
+    """Draw what the names mean, with the faults of the run, and write it as PNG; the signals that were drawn."""
+    signals = chosen(list(frame.columns), names, str(file))
+    about = frame.attrs["provenance"]
+    run = Recorded("", frame.index.to_numpy(float), {name: frame[name].to_numpy() for name in signals})
+    scene = Scene(
+        label=_label(about, Path(file)),
+        runs=(run,),
+        shown=run,
+        units=frame.attrs["units"],
+        windows=windows(about.get("faults", [])),
+    )
+    write_file(target, lines.Picture(kind="lines", signals=signals).draw(scene).png)
+    return signals
+
+
+def _label(about: dict, file: Path) -> str:
+    """Which run it is, from a recording's provenance."""
+    system, variant, seed = (about.get(name) for name in ("system", "variant", "seed"))
+    if not system:
+        return file.name
+    parts = [Path(system).stem, variant, None if seed is None else f"seed {seed}"]
+    return ", ".join(part for part in parts if part)
