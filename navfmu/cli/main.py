@@ -15,6 +15,7 @@ from navfmu.terminal import interrupt
 COMMANDS = {  # command -> module, and its line in the list of commands
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
+    "new": ("navfmu.cli.new", "Write a component of your own to start from."),
     "plot": ("navfmu.cli.plot", "Draw signals of a recording."),
     "run": ("navfmu.cli.run", "Run a system once."),
     "schema": ("navfmu.cli.schema", "Print the JSON schema of a campaign, fault or report file, for editors."),

@@ -77,7 +77,10 @@ def suffix(platform: str) -> str:
 def version() -> str:
     """Return the version of the compiler wheel, without starting it."""
     if importlib.util.find_spec("ziglang") is None:
-        raise NavfmuError("the compiler is missing: expected the package 'ziglang'; run  pip install 'navfmu[build]'")
+        raise NavfmuError(
+            "the compiler is missing: expected the package 'ziglang'; install navfmu with its extra 'build', "
+            'for example  pip install -e ".[build]"  in a checkout'
+        )
     from importlib.metadata import version as installed
 
     return installed("ziglang")

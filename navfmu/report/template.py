@@ -1,6 +1,6 @@
-"""HTML from templates: files ending in ``.html.j2``, in a folder ``templates`` beside the module that fills them.
+"""Text from templates: files ending in ``.j2``, in a folder ``templates`` beside the module that fills them.
 
-Whatever is filled in is text and is escaped; a name that a template uses and nobody gave is an error.
+Whatever is filled in is escaped as in HTML; a name that a template uses and nobody gave is an error.
 """
 
 from __future__ import annotations
