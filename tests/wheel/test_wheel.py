@@ -1,6 +1,7 @@
 """The wheel alone, in an empty environment: no repository, no casadi, no compiler."""
 
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -66,6 +67,13 @@ def test_one_wheel_serves_every_platform(wheel):
         binaries = [name for name in zipfile.ZipFile(fmu).namelist() if name.startswith("binaries/")]
     assert {name.split("/")[1] for name in binaries} >= {"linux64", "win64", "darwin64", "aarch64-linux"}
     assert not any(name.startswith(("models", "fmus", "tests")) for name in names)
+
+
+def test_the_wheel_is_installed_as_the_tutorial_says(wheel, python, tmp_path):
+    (command,) = re.findall(r'^pip install "(dist/.*)"$', (ROOT / "docs" / "tutorial_component.md").read_text(), re.M)
+    (tmp_path / "dist").symlink_to(wheel.parent)
+    done = call(python, tmp_path, "-m", "pip", "install", "--dry-run", "--no-deps", command)
+    assert done.returncode == 0 and "does not provide the extra" not in done.stderr, done.stderr
 
 
 def test_the_flight_is_flown_from_the_wheel_alone(python, tmp_path):
