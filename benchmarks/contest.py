@@ -10,22 +10,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from navfmu.report.claim import Claim
+
 Contender = Callable[[], float]
 """Does its share of work and returns the seconds for one unit of it."""
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A ratio that was promised, and what was measured."""
-
-    text: str
-    goal: float
-    measured: float
-    at_least: bool = True
-
-    @property
-    def holds(self) -> bool:
-        return self.measured >= self.goal if self.at_least else self.measured <= self.goal
 
 
 @dataclass
@@ -36,6 +24,7 @@ class Contest:
     unit: str
     times: dict[str, list[float]]
     claims: list[Claim] = field(default_factory=list)
+    work: str = ""  # what each contender does for one unit, and what it skips
     load: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def median(self, name: str) -> float:
@@ -45,11 +34,11 @@ class Contest:
         """How many times longer ``slow`` takes than ``fast``: the median of the ratios in the same round."""
         return statistics.median(a / b for a, b in zip(self.times[slow], self.times[fast], strict=True))
 
-    def claim(self, text: str, goal: float, measured: float, at_least: bool = True) -> None:
-        self.claims.append(Claim(text, goal, measured, at_least))
+    def claim(self, text: str, bound: float, measured: float, at_least: bool = True, unit: str = "") -> None:
+        self.claims.append(Claim(text, measured, bound, at_least, unit))
 
 
-def compete(name: str, unit: str, contenders: Mapping[str, Contender], rounds: int = 7) -> Contest:
+def compete(name: str, unit: str, contenders: Mapping[str, Contender], rounds: int = 7, work: str = "") -> Contest:
     """Let the contenders take turns; the first round is for warming up and does not count."""
     times: dict[str, list[float]] = {contender: [] for contender in contenders}
     names = list(contenders)
@@ -58,32 +47,34 @@ def compete(name: str, unit: str, contenders: Mapping[str, Contender], rounds: i
             seconds = contenders[contender]()
             if number:
                 times[contender].append(seconds)
-    return Contest(name, unit, times, load=os.getloadavg() if hasattr(os, "getloadavg") else (0.0, 0.0, 0.0))
+    load = os.getloadavg() if hasattr(os, "getloadavg") else (0.0, 0.0, 0.0)
+    return Contest(name, unit, times, load=load, work=work)
 
 
 def show(contests: Sequence[Contest]) -> None:
     """Print a table for each contest and one with the claims."""
-    from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
 
-    console = Console()
+    from navfmu.terminal.console import console, say
+    from navfmu.terminal.table import Column, Kind, Table
+
+    out = console()
     for contest in contests:
-        table = Table(title=f"{contest.name}: us for {contest.unit}", title_justify="left")
-        for heading in ("", "median", "fastest", "slowest", "x the fastest"):
-            table.add_column(heading, justify="left" if not heading else "right")
+        columns = [Column("", Kind.NAME), *map(Column, ("median", "fastest", "slowest", "x the fastest"))]
         best = min(contest.median(name) for name in contest.times)
+        rows = []
         for name, times in contest.times.items():
             numbers = (contest.median(name), min(times), max(times))
-            table.add_row(name, *(f"{1e6 * t:.3g}" for t in numbers), f"{contest.median(name) / best:.3g}")
-        console.print(table)
-        console.print(f"load average {contest.load[0]:.1f}, {len(next(iter(contest.times.values())))} rounds\n")
-    table = Table(title="claims", title_justify="left")
-    for heading in ("", "goal", "measured", ""):
-        table.add_column(heading, justify="left" if not heading else "right")
-    for claim in (claim for contest in contests for claim in contest.claims):
-        goal = f"{'>=' if claim.at_least else '<='} {claim.goal:g}"
-        table.add_row(claim.text, goal, f"{claim.measured:.3g}", "holds" if claim.holds else "[red]missed[/red]")
-    console.print(table)
+            rows.append([name, *(f"{1e6 * t:.3g}" for t in numbers), f"{contest.median(name) / best:.3g}"])
+        out.print(Table(columns, rows, f"{contest.name}: us for {contest.unit}"))
+        if contest.work:
+            say(out, contest.work)
+        rounds = len(next(iter(contest.times.values())))
+        say(out, f"load average {contest.load[0]:.1f}, {rounds} rounds\n")
+    columns = [Column("verdict", Kind.WORD), Column("measured"), Column("bound"), Column("claim", Kind.SENTENCE)]
+    claims = [claim for contest in contests for claim in contest.claims]
+    rows = [[Text(c.verdict, style="green" if c.holds else "red"), c.finding, c.limit, c.text] for c in claims]
+    out.print(Table(columns, rows, "claims"))
 
 
 def write(contests: Sequence[Contest], path: Path) -> None:

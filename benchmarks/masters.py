@@ -199,3 +199,11 @@ def check_equal(ssp: Path, plan: Plan, steps: int = 500) -> None:
         master.run(steps)
         made = steps + isinstance(master, Libcosim)
         assert master.outputs() == expected[made], f"{type(master).__name__} differs"
+
+
+def check_bare(plan: Plan, steps: int = 500) -> None:
+    """The bare loop gives the bits of the engine, in any algorithm."""
+    ours, bare = Ours(plan), BareLoop(plan)
+    ours.run(steps)
+    bare.run(steps)
+    assert bare.outputs() == ours.outputs(), "BareLoop differs"

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks import flight, imu_twin, ring, startup
-from benchmarks.contest import Claim, write
+from benchmarks.contest import Contest, write
+from evidence.section import Section
 from navfmu.report.page import Page
 from navfmu.terminal.progress import Progress
 
 BENCHMARKS = (ring, flight, imu_twin, startup)
 
 
-def run(out: Path, page: Page) -> None:
+def run(out: Path) -> Section:
     """Run every benchmark; numbers are kept in ``out``/benchmarks.json."""
     contests = []
     with Progress("benchmarks") as progress:
@@ -20,26 +22,23 @@ def run(out: Path, page: Page) -> None:
             progress(number, len(BENCHMARKS), benchmark.__name__.rpartition(".")[2])
             contests.append(benchmark.run())
     write(contests, out / "benchmarks.json")
-    page.heading("Speed")
-    page.table(
-        ["claim", "goal", "measured", ""],
-        [
-            [c.text, f"{'at least' if c.at_least else 'at most'} {c.goal:g}", f"{c.measured:.3g}", verdict(c)]
-            for contest in contests
-            for c in contest.claims
-        ],
-    )
-    for contest in contests:
-        page.text(f"{contest.name}: microseconds for {contest.unit}, contenders take turns")
-        page.table(
-            ["", "median", "fastest", "slowest"],
-            [
-                [name, *(f"{1e6 * t:.3g}" for t in (contest.median(name), min(times), max(times)))]
-                for name, times in contest.times.items()
-            ],
-        )
+    return section(contests)
 
 
-def verdict(claim: Claim) -> str:
-    """Whether the claim holds, in a word."""
-    return "holds" if claim.holds else "MISSED"
+def section(contests: Sequence[Contest]) -> Section:
+    """The claims of the contests, and a table for each."""
+    claims = [claim for contest in contests for claim in contest.claims]
+
+    def write_contests(page: Page) -> None:
+        page.heading("Speed")
+        for contest in contests:
+            page.text(f"{contest.name}: microseconds for {contest.unit}, contenders take turns. {contest.work}")
+            page.table(
+                ["", "median", "fastest", "slowest"],
+                [
+                    [name, *(f"{1e6 * t:.3g}" for t in (contest.median(name), min(times), max(times)))]
+                    for name, times in contest.times.items()
+                ],
+            )
+
+    return Section(claims, write_contests)
