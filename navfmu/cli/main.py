@@ -13,6 +13,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.terminal import interrupt
 
 COMMANDS = {  # command -> module, and its line in the list of commands
+    "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),

@@ -6,8 +6,8 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
-from navfmu.files.zipped import zipped
 
 #: Folders below ``binaries/`` for each platform in FMI 2.0; where it has no name, the platform tuple of FMI 3.0.
 FOLDERS = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import shutil
 import tempfile
-import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import archive, codegen, description, ir, toolchain
 from navfmu.export.fingerprint import fingerprint
 from navfmu.export.icon import icon
-from navfmu.files.unpack import cache_directory
+from navfmu.files import cache
 from navfmu.files.writing import write_file
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -25,7 +25,6 @@ LICENSES = Path(__file__).parent / "licenses"
 #: What the compiler is given; it includes the other files.
 UNITS = ("fmu.c",)
 _NO_GUID = "{00000000-0000-0000-0000-000000000000}"
-_KEEP = 30 * 24 * 3600.0  # s that the cache keeps what nobody used
 
 #: ``progress(done, total, note)``
 Progress = Callable[[int, int, str], None]
@@ -111,8 +110,6 @@ def build_all(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    if waiting:
-        _prune()
     return [done[key] for key in sorted(done, key=lambda k: (k[1], k[0]))]
 
 
@@ -170,16 +167,15 @@ def library(sources: Sources, platform: str) -> Path:
     digest = hashlib.sha256()
     for part in (*(p for item in sorted(sources.files.items()) for p in item), *toolchain.FLAGS, toolchain.version()):
         digest.update(part.encode() + b"\0")
-    path = cache_directory() / "libraries" / f"{digest.hexdigest()[:32]}-{platform}" / name
-    if path.is_file():
-        os.utime(path)
-        return path
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
-        for file, text in sources.files.items():
-            (Path(scratch) / file).write_text(text, encoding="utf-8", newline="\n")
-        toolchain.compile_shared([Path(scratch) / unit for unit in UNITS], path, platform, include=[scratch])
-    return path
+
+    def fill(folder: Path) -> None:
+        with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
+            for file, text in sources.files.items():
+                (Path(scratch) / file).write_text(text, encoding="utf-8", newline="\n")
+            units = [Path(scratch) / unit for unit in UNITS]
+            toolchain.compile_shared(units, folder / name, platform, include=[scratch])
+
+    return cache.keep("compiled", f"{digest.hexdigest()[:32]}-{platform}", fill) / name
 
 
 def pack(sources: Sources, libraries: dict[str, Path], platforms: Iterable[str], path: Path) -> Path:
@@ -222,32 +218,15 @@ def _licenses() -> dict[str, str]:
 
 def _take(key: str, path: Path) -> bool:
     """Put the FMU with this key in its place, if the cache has it."""
-    kept = cache_directory() / "fmus" / f"{key}.fmu"
-    if not kept.is_file():
+    kept = cache.find("built", key)
+    if kept is None:
         return False
-    os.utime(kept)
-    if not (path.is_file() and path.read_bytes() == kept.read_bytes()):
-        _copy(kept, path)
+    content = (kept / "built.fmu").read_bytes()
+    if not (path.is_file() and path.read_bytes() == content):
+        write_file(path, content)
     return True
 
 
 def _keep(key: str | None, path: Path) -> None:
     if key:
-        _copy(path, cache_directory() / "fmus" / f"{key}.fmu")
-
-
-def _copy(source: Path, target: Path) -> None:
-    """Copy a file so that it appears complete or not at all, also when several processes do so at once."""
-    write_file(target, source.read_bytes())
-
-
-def _prune() -> None:
-    """Forget what nobody used for a month."""
-    limit = time.time() - _KEEP
-    for folder in ("fmus", "libraries"):
-        for file in (cache_directory() / folder).rglob("*"):
-            try:
-                if file.is_file() and file.stat().st_mtime < limit:
-                    file.unlink()
-            except OSError:
-                continue  # another process was first
+        cache.keep("built", key, lambda folder: shutil.copyfile(path, folder / "built.fmu"))

@@ -16,17 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files import cache
+from navfmu.files.archive import check_entries, open_archive, read_entry, unpack
+from navfmu.files.digest import check_unchanged, content_hash
 from navfmu.files.markup import parse
-from navfmu.files.unpack import (
-    cache_directory,
-    check_entries,
-    check_unchanged,
-    content_hash,
-    open_archive,
-    read_entry,
-    unpack,
-)
-from navfmu.files.writing import write_file
 from navfmu.fmi.units import Unit
 
 FORMAT = 2  # of the cached descriptions; raise it when their content changes
@@ -177,15 +170,16 @@ def _library(path: Path, folder: Path, description: Description) -> Path:
 
 
 def _describe(path: Path, digest: str) -> Description:
-    cached = cache_directory() / "fmu" / f"{digest[:32]}.v{FORMAT}.json"
-    try:
-        return _from_json(json.loads(cached.read_bytes()))
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
+    key, name = f"{digest[:32]}.v{FORMAT}", "description.json"
+    kept = cache.find("described", key)
+    if kept is not None:
+        with suppress(OSError, ValueError, KeyError, TypeError):
+            return _from_json(json.loads((kept / name).read_bytes()))
     content = _read(path)
     check_unchanged(path, digest)
     with suppress(NavfmuError):  # a cache that cannot be written costs time, nothing else
-        write_file(cached, json.dumps(content, separators=(",", ":")))
+        text = json.dumps(content, separators=(",", ":"))
+        cache.keep("described", key, lambda folder: (folder / name).write_text(text, encoding="utf-8"))
     return _from_json(content)
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.errors import NavfmuError
+from navfmu.files.archive import zipped
 from navfmu.files.markup import parse
 from navfmu.files.writing import write_file
-from navfmu.files.zipped import zipped
 from navfmu.recorded.importer import Imported
 
 TABLE = "resources/track.csv"

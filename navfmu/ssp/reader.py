@@ -11,8 +11,9 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.archive import unpack
+from navfmu.files.digest import content_hash
 from navfmu.files.markup import parse, validate
-from navfmu.files.unpack import content_hash, unpack
 from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp.document import MAIN, NAMESPACES, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure

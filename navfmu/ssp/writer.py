@@ -22,8 +22,8 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
-from navfmu.files.zipped import zipped
 from navfmu.fmi.fmu import Description, Variable, describe
 from navfmu.fmi.units import BASE, Unit
 from navfmu.fmi.values import expand, members

@@ -87,6 +87,22 @@ def test_an_unchanged_fmu_is_neither_traced_nor_compiled(tmp_path, empty_cache, 
     assert elsewhere[0].read_bytes() == before
 
 
+@pytest.mark.parametrize("kind", ["built", "compiled"])
+def test_a_damaged_file_of_the_cache_does_not_reach_the_result(tmp_path, empty_cache, kind):
+    (first,) = build([Source], tmp_path / "one")
+    kept = list(empty_cache.glob(f"{kind}/*/content/*"))
+    assert kept
+    for path in kept:
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2] ^= 1
+        path.unlink()  # this process may have it loaded
+        path.write_bytes(data)
+    if kind == "compiled":  # with the finished FMU the library would not be asked for
+        shutil.rmtree(empty_cache / "built")
+    (second,) = build([Source], tmp_path / "two")
+    assert second.read_bytes() == first.read_bytes()
+
+
 def write_component(folder, gain):
     (folder / "fmus").mkdir(exist_ok=True)
     (folder / "equations.py").write_text(f"def double(x):\n    return {gain} * x\n")

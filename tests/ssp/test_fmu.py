@@ -13,7 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.files import unpack
+from navfmu.files import archive
+from navfmu.files.digest import content_hash
 from navfmu.fmi import fmu
 
 from . import fmus
@@ -59,19 +60,24 @@ def test_a_cached_load_takes_about_a_millisecond(tmp_path, monkeypatch):
     assert min(durations) < 0.005
 
 
-def test_a_damaged_cached_description_is_read_anew(tmp_path, cache):
+@pytest.mark.parametrize("change", [lambda t: "{", lambda t: t.replace('"guid":"{1}"', '"guid":"{2}"'), lambda t: ""])
+def test_a_damaged_cached_description_is_read_anew(tmp_path, cache, change):
+    """Also one that still is a description, but another one."""
     file = fmus.sensor(tmp_path)
     first = fmu.describe(file)
-    for cached in cache.glob("fmu/*.json"):
-        cached.write_text("{")
-    assert fmu.describe(file).variables == first.variables
+    (cached,) = cache.glob("described/*/content/description.json")
+    good = cached.read_text()
+    cached.write_text(change(good))
+    assert cached.read_text() != good
+    assert fmu.describe(file) == first
+    assert cached.read_text() == good
 
 
 def test_only_what_this_machine_needs_is_unpacked(tmp_path):
     file = fmus.sensor(tmp_path)
-    with zipfile.ZipFile(file, "a") as archive:
+    with zipfile.ZipFile(file, "a") as packed:
         for name in ("binaries/vax/sensor.exe", "sources/a.c", "documentation/index.html", "resources/table.csv"):
-            archive.writestr(name, "x")
+            packed.writestr(name, "x")
     folder = fmu.load(file).folder
     assert (folder / "resources" / "table.csv").is_file()
     assert not (folder / "binaries" / "vax").exists() and not (folder / "sources").exists()
@@ -79,45 +85,45 @@ def test_only_what_this_machine_needs_is_unpacked(tmp_path):
 
 def test_many_threads_unpack_one_archive_at_once(tmp_path):
     file = fmus.sensor(tmp_path)
-    digest = unpack.content_hash(file)
+    digest = content_hash(file)
     with ThreadPoolExecutor(8) as pool:
-        folders = set(pool.map(lambda _: unpack.unpack(file, "FMU", digest), range(32)))
+        folders = set(pool.map(lambda _: archive.unpack(file, "FMU", digest), range(32)))
     assert len(folders) == 1 and (folders.pop() / "modelDescription.xml").is_file()
-    assert not list((tmp_path / "cache" / "fmu").glob(".*"))
+    assert not list((tmp_path / "cache" / "unpacked").glob(".*"))
 
 
 def test_a_file_that_is_replaced_while_it_is_read_leaves_nothing_in_the_cache(tmp_path, cache, monkeypatch):
     old, new = fmus.sensor(tmp_path), tmp_path / "new.fmu"
     new.write_bytes(old.read_bytes())
-    with zipfile.ZipFile(new, "a") as archive:
-        archive.writestr("resources/table.csv", "x")
-    digest = unpack.content_hash(old)
+    with zipfile.ZipFile(new, "a") as packed:
+        packed.writestr("resources/table.csv", "x")
+    digest = content_hash(old)
     new.replace(old)
     with pytest.raises(NavfmuError, match=r"sensor\.fmu: was changed by somebody else while it was read"):
-        unpack.unpack(old, "FMU", digest)
+        archive.unpack(old, "FMU", digest)
     with monkeypatch.context() as patch:
         patch.setattr(fmu, "content_hash", lambda path: digest)
         with pytest.raises(NavfmuError, match="was changed by somebody else"):
             fmu.describe(old)
-    assert not list((cache / "fmu").iterdir())
+    assert not list((cache / "unpacked").iterdir())
     assert (fmu.load(old).folder / "resources" / "table.csv").is_file()
 
 
 def test_what_nobody_used_for_a_month_is_removed_as_a_whole(tmp_path, cache):
     file = fmus.sensor(tmp_path)
-    unused = cache / "fmu" / "unused"
+    unused = cache / "unpacked" / "unused"
     (unused / "binaries").mkdir(parents=True)
-    (cache / "fmu" / "unused.json").write_text("{}")
-    for path in (unused, cache / "fmu" / "unused.json"):
+    (cache / "unpacked" / "unused.json").write_text("{}")
+    for path in (unused, cache / "unpacked" / "unused.json"):
         os.utime(path, (0, 0))
-    folder = unpack.unpack(file, "FMU", unpack.content_hash(file))
-    assert [path.name for path in (cache / "fmu").iterdir()] == [folder.name]
+    content = archive.unpack(file, "FMU", content_hash(file))
+    assert [path.name for path in (cache / "unpacked").iterdir()] == [content.parent.name]
 
 
 def archive_with(path, *entries):
-    with zipfile.ZipFile(path, "w") as archive:
+    with zipfile.ZipFile(path, "w") as packed:
         for entry in entries:
-            archive.writestr(entry, b"x")
+            packed.writestr(entry, b"x")
     return path
 
 
@@ -143,23 +149,23 @@ def link(name):
 def test_a_hostile_archive_is_refused_and_leaves_nothing_behind(tmp_path, cache, entries, sentence):
     file = archive_with(tmp_path / "x.fmu", *entries)
     with pytest.raises(NavfmuError, match=sentence):
-        unpack.unpack(file, "FMU", unpack.content_hash(file))
-    assert not (tmp_path / "evil").exists() and not list(cache.glob("fmu/*"))
+        archive.unpack(file, "FMU", content_hash(file))
+    assert not (tmp_path / "evil").exists() and not list(cache.glob("unpacked/*"))
 
 
 def test_a_decompression_bomb_is_refused(tmp_path, cache, monkeypatch):
-    monkeypatch.setattr(unpack, "MAX_BYTES", 1_000_000)
-    with zipfile.ZipFile(tmp_path / "x.fmu", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("big", b"0" * 2_000_000)
+    monkeypatch.setattr(archive, "MAX_BYTES", 1_000_000)
+    with zipfile.ZipFile(tmp_path / "x.fmu", "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("big", b"0" * 2_000_000)
     with pytest.raises(NavfmuError, match="at most 1000000 are accepted"):
-        unpack.unpack(tmp_path / "x.fmu", "FMU", "0" * 64)
-    assert not list(cache.glob("fmu/*"))
+        archive.unpack(tmp_path / "x.fmu", "FMU", "0" * 64)
+    assert not list(cache.glob("unpacked/*"))
 
 
 def test_too_many_entries_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(unpack, "MAX_FILES", 3)
+    monkeypatch.setattr(archive, "MAX_FILES", 3)
     with pytest.raises(NavfmuError, match="holds 4 entries"):
-        unpack.unpack(archive_with(tmp_path / "x.fmu", *"abcd"), "FMU", "0" * 64)
+        archive.unpack(archive_with(tmp_path / "x.fmu", *"abcd"), "FMU", "0" * 64)
 
 
 def corrupt(path):
@@ -211,9 +217,9 @@ def test_a_bad_file_is_answered_by_a_sentence_that_names_it(tmp_path, make, sent
 
 def test_an_fmu_without_a_binary_for_this_machine_says_which_it_has(tmp_path):
     file = tmp_path / "vax.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", fmus.describe("vax", [fmus.variable("x", "parameter", reference=1)]))
-        archive.writestr("binaries/vms/vax.exe", b"x")
+    with zipfile.ZipFile(file, "w") as packed:
+        packed.writestr("modelDescription.xml", fmus.describe("vax", [fmus.variable("x", "parameter", reference=1)]))
+        packed.writestr("binaries/vms/vax.exe", b"x")
     with pytest.raises(NavfmuError, match=r"no binary for this machine .*; it has: vms"):
         fmu.load(file)
 

@@ -1,64 +1,40 @@
-"""Unpacks archives (FMU, SSP) safely, once for each content, into a cache directory of the user.
+"""Zip archives (FMU, SSP): written with bytes that depend on their contents alone, read and unpacked safely.
 
 An archive is refused when an entry would land outside its folder, is a symbolic link, appears twice, or when it holds
-more than ``MAX_FILES`` entries or ``MAX_BYTES`` bytes. A folder appears in the cache complete or not at all: it is
-written under a temporary name and then renamed.
+more than ``MAX_FILES`` entries or ``MAX_BYTES`` bytes.
 """
 
 from __future__ import annotations
 
-import hashlib
-import os
-import shutil
+import io
 import stat
-import sys
-import tempfile
-import time
 import zipfile
 import zlib
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 
 from navfmu.errors import NavfmuError
+from navfmu.files import cache
+from navfmu.files.digest import check_unchanged
 
 MAX_FILES = 20_000
 MAX_BYTES = 2 * 1024**3
-KEEP = 30 * 86400.0  # s
+DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip archive can hold
+UNIX = 3  # "made on", whatever machine this is
+RIGHTS = 0o100644 << 16
 
 
-def cache_directory() -> Path:
-    """The user's cache folder of this project; ``NAVFMU_CACHE`` overrides it."""
-    override = os.environ.get("NAVFMU_CACHE")
-    if override:
-        return Path(override)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "navfmu"
-
-
-def content_hash(path: Path) -> str:
-    """SHA-256 of a file in hexadecimal; a missing or unreadable file is a sentence."""
-    digest = hashlib.sha256()
-    try:
-        with open(path, "rb") as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
-    except FileNotFoundError:
-        raise NavfmuError(f"{path}: no such file") from None
-    except OSError as error:
-        raise NavfmuError(f"{path}: cannot be read: {error.strerror or error}") from None
-    return digest.hexdigest()
-
-
-def check_unchanged(path: Path, digest: str) -> None:
-    """Refuse a file that has been replaced since it was hashed: the cache would keep the wrong content for good."""
-    if content_hash(path) != digest:
-        raise NavfmuError(f"{path}: was changed by somebody else while it was read; try again")
+def zipped(files: Mapping[str, bytes | str], stored: str | None = None) -> bytes:
+    """An archive of ``files`` (name -> contents) in their order; names that end with ``stored`` are not compressed."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, DATE)
+            entry.create_system, entry.external_attr = UNIX, RIGHTS
+            plain = stored is not None and name.endswith(stored)
+            entry.compress_type = zipfile.ZIP_STORED if plain else zipfile.ZIP_DEFLATED
+            archive.writestr(entry, data.encode() if isinstance(data, str) else data)
+    return buffer.getvalue()
 
 
 def open_archive(path: Path, kind: str) -> zipfile.ZipFile:
@@ -115,32 +91,16 @@ def check_entries(archive: zipfile.ZipFile, path: Path) -> list[zipfile.ZipInfo]
 
 def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = lambda name: True) -> Path:
     """Unpack the wanted entries of an archive whose content hash is ``digest``; return the folder in the cache."""
-    folder = cache_directory() / kind.lower() / digest[:32]
-    if folder.is_dir():
-        with suppress(OSError):
-            os.utime(folder)  # in use
-        return folder
-    with open_archive(path, kind) as archive:
-        entries = check_entries(archive, path)
-        try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            temporary = Path(tempfile.mkdtemp(prefix=".", dir=folder.parent))
-        except OSError as error:
-            raise NavfmuError(
-                f"{folder.parent}: the cache folder cannot be written: {error.strerror}; "
-                "set NAVFMU_CACHE to a folder that can"
-            ) from None
-        try:
+
+    def fill(folder: Path) -> None:
+        with open_archive(path, kind) as archive:
             budget = MAX_BYTES
-            for entry in entries:
+            for entry in check_entries(archive, path):
                 if wanted(entry.filename):
-                    budget -= _extract(archive, entry, temporary, path, budget)
-            check_unchanged(path, digest)
-            _publish(temporary, folder)
-            _forget_old(folder.parent)
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
-    return folder
+                    budget -= _extract(archive, entry, folder, path, budget)
+        check_unchanged(path, digest)
+
+    return cache.keep({"FMU": "unpacked", "SSP": "systems"}[kind], digest[:32], fill)
 
 
 def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, path: Path, budget: int) -> int:
@@ -159,25 +119,3 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, pat
     except OSError as error:
         raise NavfmuError(f"{path}: cannot be unpacked to {folder}: {error.strerror or error}") from None
     return written
-
-
-def _publish(temporary: Path, folder: Path) -> None:
-    try:
-        os.rename(temporary, folder)
-    except OSError:
-        if not folder.is_dir():  # another process or thread may have been first, with the same content
-            raise
-
-
-def _forget_old(folder: Path) -> None:
-    """Remove what nobody has used for a while: each build of an FMU leaves a folder here."""
-    with suppress(OSError):
-        for entry in folder.iterdir():
-            if time.time() - entry.stat().st_mtime <= KEEP:
-                continue
-            if entry.is_dir():  # first out of the way, so that nobody finds a folder that is half removed
-                gone = entry.with_name(f".{entry.name}.gone")
-                entry.rename(gone)
-                shutil.rmtree(gone, ignore_errors=True)
-            else:
-                entry.unlink()
