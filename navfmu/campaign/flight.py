@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from navfmu.campaign.runs import Answer, Run
 from navfmu.engine.recording import Recording, RunError
-from navfmu.files.unpack import content_hash
+from navfmu.files.digest import content_hash
 from navfmu.files.writing import write_file
 from navfmu.system.result import as_frame, write
 

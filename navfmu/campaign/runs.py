@@ -11,7 +11,7 @@ from typing import Any
 
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.errors import NavfmuError
-from navfmu.files.unpack import content_hash
+from navfmu.files.digest import content_hash
 from navfmu.system.experiment import Experiment
 
 
