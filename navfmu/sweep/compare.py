@@ -27,6 +27,13 @@ def comparable(frames: Frames) -> tuple[list[str], tuple[str, ...]]:
     return alive, tuple(name for name in names if name not in alive)
 
 
+def not_real(frames: Frames) -> tuple[str, ...]:
+    """Signals that say something of their own and have no error: not the flags and numbers of bundles."""
+    columns = next(iter(frames.values()))
+    about = (".valid", ".sequence", ".lost")
+    return tuple(name for name in columns if columns[name].dtype.kind != "f" and not name.endswith(about))
+
+
 def compare(frames: Frames, names: Sequence[str], smallest: float) -> tuple[list[Row], dict[str, float]]:
     """Rows of the signals in all runs, and how far the algorithms are apart at the smallest step."""
     reference, other = (frames[algorithm, smallest] for algorithm in ALGORITHMS)

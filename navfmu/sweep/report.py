@@ -26,6 +26,7 @@ def write_report(result: Sweep, folder: str | Path) -> Path:
         "recommendation": recommendation(result),
         "algorithms_apart": {name: _number(value) for name, value in result.apart.items()},
         "valid_in_no_run": list(result.idle),
+        "not_real": list(result.not_real),
         "notes": list(result.notes),
         "provenance": result.provenance,
         "lost": {
@@ -132,7 +133,8 @@ def page(result: Sweep, image: bytes) -> Page:
         "An order is found by least squares over all errors above rounding, with its standard deviation; two errors "
         "fit exactly, whatever they are; '-' means that the errors have no order."
     )
-    if not_compared := findings(result):
+    others = [f"Not compared, because not Real: {', '.join(result.not_real)}."] if result.not_real else []
+    if not_compared := [*findings(result), *others]:
         made.items(not_compared)
     made.table(
         ["signal", "unit", "algorithm", *(f"{step:g} s" for step in result.steps), "order", "algorithms apart"],

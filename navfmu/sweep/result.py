@@ -56,6 +56,7 @@ class Sweep:
     provenance: dict[str, Any] = field(repr=False)
     notes: tuple[str, ...] = ()  # of the runs, for the user
     idle: tuple[str, ...] = ()  # signals that are not compared because they are valid in no run
+    not_real: tuple[str, ...] = ()  # signals that have no error: modes, flags
 
     @property
     def signals(self) -> list[str]:

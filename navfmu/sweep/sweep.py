@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from navfmu.engine.clock import exact
 from navfmu.errors import NavfmuError
-from navfmu.sweep.compare import comparable, compare, validity
+from navfmu.sweep.compare import comparable, compare, not_real, validity
 from navfmu.sweep.result import ALGORITHMS, Sweep
 from navfmu.system.experiment import Experiment, number
 from navfmu.system.pool import Board, in_threads
@@ -73,6 +73,7 @@ def sweep(
         provenance=about,
         notes=notes,
         idle=idle,
+        not_real=not_real(frames),
     )
 
 

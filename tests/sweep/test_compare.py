@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.sweep.compare import comparable, compare, difference
+from navfmu.sweep.compare import comparable, compare, difference, not_real
 
 KEYS = [(algorithm, step) for algorithm in ("gauss_seidel", "jacobi") for step in (0.1, 0.2)]
 
@@ -53,6 +53,11 @@ def test_signals_that_are_valid_in_no_run_are_set_aside_by_name():
     assert comparable(dict.fromkeys(KEYS, silent)) == (["c.y"], ("b.y",))
     with pytest.raises(NavfmuError, match="valid in any run"):
         comparable(dict.fromkeys(KEYS, silent[["b.y", "b.valid"]]))
+
+
+def test_modes_and_flags_are_named_because_they_have_no_error():
+    mixed = frame(a__y=[1.0, 2.0], a__mode=[0, 1], b__y=[1.0, 2.0], b__valid=[True, True], b__lost=[0, 3])
+    assert not_real(dict.fromkeys(KEYS, mixed)) == ("a.mode",)
 
 
 def test_a_range_with_nan_in_it_makes_no_error_small():

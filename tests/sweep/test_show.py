@@ -51,9 +51,10 @@ def test_every_number_is_whole_at_every_width(result, width, monkeypatch, capsys
 
 def test_the_report_names_what_cannot_be_compared(tmp_path):
     problem = "is not finite at 2 of 3 points"
-    result = made([0.0, 0.05, problem], idle=("gps.fix.latitude",), notes=("a note",))
+    result = made([0.0, 0.05, problem], idle=("gps.fix.latitude",), not_real=("navigator.mode",), notes=("a note",))
     report = write_report(result, tmp_path).read_text()
     assert f"a.y {problem} (gauss_seidel, 0.4 s)" in report and "gps.fix.latitude" in report and "a note" in report
+    assert "because not Real: navigator.mode." in report
     assert report.count(problem) >= 3  # recommendation, list, table
     about = json.loads((tmp_path / "sweep.json").read_text(), parse_constant=pytest.fail)
     assert about["errors"][2]["rms_error"] is None and about["errors"][2]["problem"] == problem
