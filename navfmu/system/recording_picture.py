@@ -25,12 +25,12 @@ def read(file: str | Path) -> pandas.DataFrame:
     if path.is_file() and path.suffix.lower() not in result.SUFFIXES:
         raise NavfmuError(f"{path}: is not a recording; expected a file whose name ends in {kinds}")
     frame = result.read(path)
+    if not len(frame):
+        raise NavfmuError(f"{path}: holds no recorded values")
     text = [name for name in frame if frame[name].dtype.kind not in "fiub"]
     if frame.index.name != "time" or frame.index.dtype.kind not in "fiu" or text:
         why = f"'{text[0]}' holds texts" if text else "it has no column 'time' of numbers"
         raise NavfmuError(f"{path}: is not a recording of a run: {why}")
-    if not len(frame) or not len(frame.columns):
-        raise NavfmuError(f"{path}: holds no recorded values")
     return frame
 
 

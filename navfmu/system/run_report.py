@@ -52,8 +52,7 @@ def write_report(
 def page(frame: pandas.DataFrame, experiment: Experiment, named: Sequence[str] = ()) -> Page:
     """The whole report."""
     system = experiment.system
-    seed = "the system's own seeds" if experiment.seed is None else f"seed {experiment.seed}"
-    what = f"{experiment.stop:g} s in steps of {experiment.step:g} s, {experiment.algorithm}, {seed}"
+    what = f"{experiment.stop:g} s in steps of {experiment.step:g} s, {experiment.algorithm}, {_seed(experiment)}"
     about = system.structure.description
     result = Page(f"Run of {system.name}", f"{about}{'. ' if about else ''}{what}")
     if experiment.parameters:
@@ -85,8 +84,7 @@ def _pictures(result: Page, frame: pandas.DataFrame, experiment: Experiment, nam
     if drawn:
         pictures.append(lines.Picture(kind="lines", signals=drawn[:DRAWN]))
     result.heading("Pictures")
-    name = "" if experiment.seed is None else f"seed {experiment.seed}"
-    run = Recorded(name, frame.index.to_numpy(), {column: frame[column].to_numpy() for column in frame})
+    run = Recorded(_seed(experiment), frame.index.to_numpy(), {column: frame[column].to_numpy() for column in frame})
     for picture in pictures:
         lacking = missing(picture, fmus)
         if lacking:
@@ -98,3 +96,7 @@ def _pictures(result: Page, frame: pandas.DataFrame, experiment: Experiment, nam
         result.text(
             f"Of {len(drawn)} signals the first {DRAWN} are drawn; 'navfmu plot {RECORDING} SIGNAL' draws any of them."
         )
+
+
+def _seed(experiment: Experiment) -> str:
+    return "the system's own seeds" if experiment.seed is None else f"seed {experiment.seed}"

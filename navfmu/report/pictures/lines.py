@@ -61,7 +61,7 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
                 style = STYLES[number // len(COLOURS)]
                 draws = "default" if run.signals[name].dtype.kind == "f" else "steps-post"
                 colour = COLOURS[number % len(COLOURS)]
-                width = 1.1 + (2.0 * (len(names) - 1 - number) / len(names) if unit == BOOLEAN else 0.0)  # none hides
+                width = 1.0 + (2.0 if unit == BOOLEAN else 1.0) * (len(names) - 1 - number) / len(names)  # none hides
                 axis.plot(run.time, run[name], style, color=colour, lw=width, drawstyle=draws, label=labels[name])
                 bad = run.time[~np.isfinite(run[name])]
                 axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform())
