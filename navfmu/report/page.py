@@ -11,6 +11,7 @@ from navfmu.report.template import fill
 
 _TEMPLATE = Path(__file__).parent / "templates" / "page.html.j2"
 _MANY = 9  # columns from which a table is set in small type
+_WORD = 20  # letters up to which a word stays whole
 
 
 class Page:
@@ -43,7 +44,7 @@ class Page:
         right = [bool(rows) and all(_is_number(row[i]) for row in rows) for i in range(len(headings))]
         body = [
             [
-                (_shown(cell), _names("n" if right[column] else None, classes(number, column) if classes else None))
+                (_shown(cell), _names(_layout(cell, right[column]), classes(number, column) if classes else None))
                 for column, cell in enumerate(row)
             ]
             for number, row in enumerate(rows)
@@ -65,6 +66,13 @@ class Page:
 
     def _add(self, kind: str, **values: Any) -> None:
         self._parts.append({"kind": kind, **values})
+
+
+def _layout(cell: Any, number: bool) -> str | None:
+    """Numbers go to the right and stay whole; a long name may be broken anywhere, a short word may not."""
+    if number:
+        return "n"
+    return "long" if max(map(len, str(cell).split()), default=0) > _WORD else None
 
 
 def _names(*names: str | None) -> str:
