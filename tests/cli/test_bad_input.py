@@ -87,6 +87,7 @@ ARGUMENTS = {
     "a pattern that matches nothing": (["--record", "lag.z*"], "no output matches"),
     "a recording period between steps": (["--record-period", "0.15"], "is not a multiple of the step"),
     "a missing fault file": (["--faults", "nothing.toml"], "nothing.toml"),
+    "an endless fault file": (["--faults", "/dev/zero"], "/dev/zero: is a device, expected a fault file"),
     "an option that does not exist": (["--stpo", "1"], "'--stop'"),
     "a format that is not known": (["--out", "a.xlsx"], "a.xlsx: cannot tell the format from the name"),
 }
