@@ -20,7 +20,8 @@ _TOOLS = ("casadi", "ziglang", "numpy", "matplotlib", "pythonfmu", "jinja2")
 _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib", "purelib", "platlib")}
 _EXPORT = Path(__file__).parent
 _ENDINGS = {".py", ".c", ".h", ".txt", ".j2"}  # of the exporter's own files
-_BESIDE = [_EXPORT.parent / "errors.py", _EXPORT.parent / "report" / "template.py"]  # what it takes from other rooms
+#: What it takes from other rooms that shows in an FMU.
+_BESIDE = [_EXPORT.parent / name for name in ("errors.py", "files/archive.py", "report/template.py")]
 
 
 def fingerprint(component: type[Component], *parts: str) -> str | None:

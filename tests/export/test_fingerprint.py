@@ -50,6 +50,7 @@ def fingerprint(folder):
         "navfmu/export/licenses/license.txt",
         "navfmu/export/templates/documentation.html.j2",
         "navfmu/report/template.py",
+        "navfmu/files/archive.py",
         "navfmu/errors.py",
         "small.py",
     ],
