@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.toml import Document, read_text
 from navfmu.fmi.fmu import Fmu, Variable, load
 from navfmu.fmi.units import Unit, conversion
 from navfmu.fmi.values import checked
@@ -139,9 +140,10 @@ class Assembly:
         if record is not None:
             names = [record] if isinstance(record, str) else record
             return [f"{name}.*" if name in self.fmus else name for name in names]
-        named = self.report.recorded(self.fmus) if self.report else []
         return [
-            signal for name in named or self.fmus for signal in (self._outputs(name) if name in self.fmus else [name])
+            signal
+            for name in self.default_record or self.fmus
+            for signal in (self._outputs(name) if name in self.fmus else [name])
         ]
 
     def _outputs(self, component: str) -> list[str]:
@@ -149,26 +151,43 @@ class Assembly:
         return [f"{component}.{v.name}" for v in variables if v.causality == "output" and v.type != "String"]
 
     @cached_property
+    def default_record(self) -> list[str]:
+        """What the system's report file wants recorded when nothing is named; empty where it does not say."""
+        from navfmu.system.default_record import default_record
+
+        document = self._report_document
+        return [] if document is None else default_record(document, self.fmus, lambda: self._siblings)
+
+    @cached_property
     def report(self) -> ReportFile | None:
         """What the system says about its report, checked against it and its other variants; None without a file."""
+        if self._report_document is None:
+            return None
+        from navfmu.system.report_file import ReportFile
+
+        return ReportFile.of(self._report_document, self.fmus, lambda: self._siblings)
+
+    @cached_property
+    def _report_document(self) -> Document | None:
         if self.structure.file.suffix.lower() != ".ssd":
             return None
         folder, origin = self.structure.file.parent, self.structure.origin
         for inside in ("extra/report.toml", "report.toml"):
             if (folder / inside).is_file():
-                from navfmu.system.report_file import ReportFile
-
                 packed = origin.is_file() and origin != self.structure.file
                 label = f"{origin}: {inside}" if packed else str(folder / inside)
-                return ReportFile.read(folder / inside, label, self.fmus, self._siblings)
+                return Document(read_text(folder / inside, "report file"), label)
         return None
 
-    def _siblings(self) -> Iterator[Mapping[str, Fmu]]:
-        """The FMUs of the other variants, opened one after the other; of those that can be."""
+    @cached_property
+    def _siblings(self) -> list[Mapping[str, Fmu]]:
+        """The FMUs of the other variants; of those that can be opened."""
+        found = []
         for file in sorted(self.structure.file.parent.glob("*.ssd")):
             if file != self.structure.file:
                 with suppress(NavfmuError):
-                    yield type(self).load(file).fmus
+                    found.append(type(self).load(file).fmus)
+        return found
 
     # -- checks --------------------------------------------------------------------------------------------------
 

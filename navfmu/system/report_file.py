@@ -12,26 +12,23 @@ signal = "evaluation.horizontal_error"
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from functools import reduce
 from operator import or_
-from pathlib import Path
 from typing import Annotated, Any
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.schema import Field, Table, Texts, validated
-from navfmu.files.toml import Document, read_text
-from navfmu.fmi.fmu import Fmu, Variable
+from navfmu.files.toml import Document
+from navfmu.fmi.fmu import Variable
 from navfmu.fmi.values import group
 from navfmu.report import pictures, statistics
 from navfmu.report.kind import Kind, Picture, Statistic, kinds
+from navfmu.system.default_record import Fmus, default_record, unknown
 
 PICTURES: dict[str, type[Picture]] = kinds(pictures, "Picture")
 STATISTICS: dict[str, type[Statistic]] = kinds(statistics, "Statistic")
-Fmus = Mapping[str, Fmu]  # of one variant, by component
 
 
 def _one_of(classes: Mapping[str, type[Kind]]) -> Any:
@@ -51,44 +48,35 @@ class Content(Table):
 class ReportFile:
     """A report file that fits its system."""
 
-    path: str
-    record: tuple[str, ...]
     pictures: tuple[Picture, ...]
     statistics: tuple[Statistic, ...]
 
     @classmethod
-    def read(cls, path: str | Path, label: str, fmus: Fmus, others: Callable[[], Iterable[Fmus]] = tuple) -> ReportFile:
-        """Read a file (called ``label`` in messages) and check all its names against a system.
+    def of(cls, document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus]] = tuple) -> ReportFile:
+        """What a file says, with all its names checked against a system.
 
         What ``fmus`` do not have, one of the ``others`` (the other variants, opened only then) must have.
         """
-        document = Document(read_text(path, "report file"), label)
         for entry, classes in (("picture", PICTURES), ("statistic", STATISTICS)):
             _check_kinds(document, entry, classes)
         content = validated(document, Content)
-        made = cls(label, tuple(content.record), tuple(content.picture), tuple(content.statistic))
+        default_record(document, fmus, others)
+        made = cls(tuple(content.picture), tuple(content.statistic))
         made._check(document, fmus, others)
         return made
-
-    def recorded(self, fmus: Fmus) -> list[str]:
-        """Of the names in ``record`` those that the variant with these FMUs has."""
-        return [name for name in self.record if _recordable(name, fmus)]
 
     def signals(self, fmus: Fmus) -> list[str]:
         """What the pictures and statistics need that can be made of the variant with these FMUs."""
         entries = (*self.pictures, *self.statistics)
         return list(dict.fromkeys(name for e in entries if not missing(e, fmus) for name in e.needs()))
 
-    def _check(self, document: Document, fmus: Fmus, others: Callable[[], Iterable[Fmus]]) -> None:
-        for number, name in enumerate(self.record):
-            if not _recordable(name, fmus) and not any(_recordable(name, other) for other in others()):
-                raise document.error(f"'record': {_unknown(name, fmus)}", "record", number)
+    def _check(self, document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus]]) -> None:
         for kind, entries in (("picture", self.pictures), ("statistic", self.statistics)):
             for number, entry in enumerate(entries):
                 for name in missing(entry, fmus):
                     if not any(_found(name, other, name in entry.constants()) for other in others()):
                         place = _place(document.content[kind][number], name, (kind, number))
-                        raise document.error(f"{kind} '{entry.kind}': {_unknown(name, fmus)}", *place)
+                        raise document.error(f"{kind} '{entry.kind}': {unknown(name, fmus)}", *place)
                 if not missing(entry, fmus):
                     try:
                         entry.check(units(entry, fmus))
@@ -134,34 +122,6 @@ def _found(name: str, fmus: Fmus, array: bool) -> list[Variable]:
     names = group(by_name, rest) if array else {"": rest}
     found = [by_name[n] for suffix, n in names.items() if n in by_name and not suffix.startswith(".")]
     return [variable for variable in found if variable.type != "String"]
-
-
-def _recordable(name: str, fmus: Fmus) -> bool:
-    """Whether a component, signal, array, bundle or pattern is there."""
-    component, dot, rest = name.removesuffix("@true").partition(".")
-    if any(sign in name for sign in "*?"):
-        return any(fnmatchcase(known, name.replace("[", "[[]")) for known in _names(fmus))
-    return component in fmus and (not dot or bool(group(fmus[component].description.by_name, rest)))
-
-
-def _unknown(name: str, fmus: Fmus) -> str:
-    """What is wrong with a name that no variant has."""
-    component, dot, rest = name.removesuffix("@true").partition(".")
-    if any(sign in name for sign in "*?"):
-        return f"no output matches the pattern '{name}'"
-    if component not in fmus:
-        return f"'{name}': there is no component '{component}'{nearest(component, fmus)}"
-    by_name = fmus[component].description.by_name
-    members = list(group(by_name, rest).values())
-    if dot and members:
-        text = f"'{name}' stands for {len(members)} signals; name one"
-        return f"{text}, for example '{component}.{members[0]}'"
-    bases = {re.split(r"\[", known)[0] for known in by_name} | set(by_name)
-    return f"'{name}': {component} has no variable '{rest}'{nearest(rest, sorted(bases))}"
-
-
-def _names(fmus: Fmus) -> Iterator[str]:
-    return (f"{name}.{v.name}" for name, fmu in fmus.items() for v in fmu.description.variables)
 
 
 def _check_kinds(document: Document, entry: str, classes: Mapping[str, type[Kind]]) -> None:

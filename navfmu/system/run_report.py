@@ -31,7 +31,7 @@ DRAWN = 24  # signals that are drawn where the system says nothing about its rep
 def to_record(record: Sequence[str] | None, system: Assembly) -> list[str]:
     """What must be recorded for the report of a run that was asked to record ``record``."""
     report = system.report
-    named = system.signals(record or (report and report.recorded(system.fmus)) or list(system.fmus))
+    named = system.signals(record or system.default_record or list(system.fmus))
     pictures = report.pictures if report else ()
     needed = [name for picture in pictures if not missing(picture, system.fmus) for name in picture.needs()]
     return named + [name for name in dict.fromkeys(needed) if not any(stands_for(other, name) for other in named)]

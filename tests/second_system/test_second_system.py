@@ -6,6 +6,8 @@ import html
 import re
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pandas
@@ -170,8 +172,27 @@ def test_a_mistake_in_the_report_file_is_answered_with_its_line(folder, tmp_path
     (tmp_path / "report.toml").write_text(text.replace(*change, 1))
     here = Path(shutil.copytree(folder, tmp_path / "rover"))
     system = pack(here, tmp_path / "report.toml")
-    said = call("run", system, "--stop", 2, code=2)
+    said = call("run", system, "--stop", 2, "--report", tmp_path / "out", code=2)
+    assert not (tmp_path / "out").exists()
     assert f"{system}: extra/report.toml, line " in said and sentence in said
+
+
+def test_a_wrong_picture_does_not_stop_a_run_without_a_report_but_a_wrong_default_does(folder, tmp_path):
+    here = Path(shutil.copytree(folder, tmp_path / "rover"))
+    (tmp_path / "report.toml").write_text(REPORT.read_text().replace('kind = "sigma"', 'kind = "sgma"'))
+    call("run", pack(here, tmp_path / "report.toml"), "--stop", 2)
+    (tmp_path / "report.toml").write_text(REPORT.read_text().replace('record = ["judge"', 'record = ["juge"'))
+    said = call("run", pack(here, tmp_path / "report.toml"), "--stop", 2, code=2)
+    assert "extra/report.toml, line 2: 'record': 'juge': there is no component 'juge'; did you mean 'judge'?" in said
+
+
+def test_a_run_without_a_report_does_not_load_what_checks_the_report(folder):
+    code = (
+        "import sys; from navfmu import System; System.load(sys.argv[1]).run(stop=2.0);"
+        "print([name for name in ('pydantic', 'matplotlib') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code, folder / "rover.ssp"], capture_output=True, text=True)
+    assert done.stdout == "[]\n", done.stderr
 
 
 def test_several_statistics_need_names(folder, tmp_path):
@@ -179,4 +200,4 @@ def test_several_statistics_need_names(folder, tmp_path):
     statistic = text[text.index("[[statistic]]") :]
     (tmp_path / "report.toml").write_text(text + statistic)
     with pytest.raises(NavfmuError, match="of several statistics each needs a 'name'"):
-        System.load(pack(Path(shutil.copytree(folder, tmp_path / "rover")), tmp_path / "report.toml")).signals()
+        System.load(pack(Path(shutil.copytree(folder, tmp_path / "rover")), tmp_path / "report.toml")).report  # noqa: B018
