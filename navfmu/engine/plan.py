@@ -27,7 +27,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -39,6 +38,7 @@ from navfmu.engine.link import Link
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault, is_number
+from navfmu.fmi.names import is_pattern, stands_for
 
 TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
@@ -412,12 +412,12 @@ def _columns(record: Sequence[str] | None, by_name: Mapping[str, Component]) -> 
 def _matching(name: str, by_name: Mapping[str, Component]) -> list[_End]:
     """The variables meant by a name, array, bundle or pattern."""
     where = f"recorded signal '{name}'"
-    if any(sign in name for sign in "*?"):
+    if is_pattern(name):
         found = [
             _End(c.name, v)
             for c in by_name.values()
             for v in c.with_causality("output")
-            if v.type in TYPES and fnmatchcase(f"{c.name}.{v.name}", name.replace("[", "[[]"))
+            if v.type in TYPES and stands_for(name, f"{c.name}.{v.name}")
         ]
         if not found:
             raise NavfmuError(f"{where}: no output matches the pattern")

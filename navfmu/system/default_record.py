@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from fnmatch import fnmatchcase
 
 from navfmu.errors import nearest
 from navfmu.files.toml import Document
 from navfmu.fmi.fmu import Fmu
+from navfmu.fmi.names import is_pattern, stands_for
 from navfmu.fmi.values import group
 
 Fmus = Mapping[str, Fmu]  # of one variant, by component
@@ -34,15 +34,15 @@ def default_record(document: Document, fmus: Fmus, others: Callable[[], Sequence
 def _recordable(name: str, fmus: Fmus) -> bool:
     """Whether a component, signal, array, bundle or pattern is there."""
     component, dot, rest = name.removesuffix("@true").partition(".")
-    if any(sign in name for sign in "*?"):
-        return any(fnmatchcase(known, name.replace("[", "[[]")) for known in _names(fmus))
+    if is_pattern(name):
+        return any(stands_for(name, known) for known in _names(fmus))
     return component in fmus and (not dot or bool(group(fmus[component].description.by_name, rest)))
 
 
 def unknown(name: str, fmus: Fmus) -> str:
     """What is wrong with a name that no variant has."""
     component, dot, rest = name.removesuffix("@true").partition(".")
-    if any(sign in name for sign in "*?"):
+    if is_pattern(name):
         return f"no output matches the pattern '{name}'"
     if component not in fmus:
         return f"'{name}': there is no component '{component}'{nearest(component, fmus)}"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from navfmu.errors import NavfmuError
 from navfmu.files.writing import write_file
+from navfmu.fmi.names import chosen
 from navfmu.report.pictures import lines
 from navfmu.report.scene import Recorded, Scene
 from navfmu.system import result
-from navfmu.system.names import chosen
 from navfmu.system.scene import windows
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfmu.files.writing import write_file
+from navfmu.fmi.names import stands_for
 from navfmu.report import faults
 from navfmu.report.kind import Picture
 from navfmu.report.page import Page
@@ -15,7 +16,6 @@ from navfmu.report.repeat import section
 from navfmu.report.scene import Recorded
 from navfmu.system.assembly import Assembly
 from navfmu.system.experiment import Experiment
-from navfmu.system.names import stands_for
 from navfmu.system.report_file import missing
 from navfmu.system.result import write
 from navfmu.system.scene import scene_of

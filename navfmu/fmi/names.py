@@ -1,4 +1,4 @@
-"""Names of recorded signals that stand for several: arrays, bundles, components and patterns."""
+"""Names that stand for several signals: arrays, bundles, components and patterns."""
 
 from __future__ import annotations
 
@@ -10,9 +10,14 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.values import group
 
 
+def is_pattern(name: str) -> bool:
+    """Whether a name has wildcards; brackets are those of arrays."""
+    return any(sign in name for sign in "*?")
+
+
 def stands_for(name: str, signal: str) -> bool:
     """Whether a name means a signal: "imu", "imu.reading.rate" and "*.rate[1]" all mean "imu.reading.rate[1]"."""
-    if any(sign in name for sign in "*?"):
+    if is_pattern(name):
         return fnmatchcase(signal, name.replace("[", "[[]"))
     return bool(group([signal], name))
 
