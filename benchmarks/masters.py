@@ -62,9 +62,9 @@ class FmpyLoop:
         for part in plan.parts:
             component = part.component
             slave = FMU2Slave(
-                guid=component.guid,
-                unzipDirectory=str(component.directory),
-                modelIdentifier=component.identifier,
+                guid=component.description.guid,
+                unzipDirectory=str(component.fmu.folder),
+                modelIdentifier=component.description.model_identifier,
                 instanceName=component.name,
             )
             slave.instantiate()
@@ -139,7 +139,7 @@ class Ecos:
         get = self.simulation
         getters = {"Real": get.get_real, "Integer": get.get_integer, "Boolean": get.get_bool}
         types = {
-            f"{p.component.name}.{v.name}": v.type for p in self.plan.parts for v in p.component.variables.values()
+            f"{p.component.name}.{v.name}": v.type for p in self.plan.parts for v in p.component.description.variables
         }
         return {name: float(getters[types[name]](name.replace(".", "::", 1))) for name in self.plan.signals}
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.errors import NavfmuError, nearest
+from navfmu.fmi.names import split
 from navfmu.fmi.seconds import seconds
 from navfmu.fmi.values import quantity
 from navfmu.system.system import System
@@ -71,7 +72,7 @@ def _bounds(
         if found[other] != found[first]:
             units = f"{found[other] or 'no unit'} in variant '{other}' and {found[first] or 'no unit'} in '{first}'"
             raise error(f"'{entry.signal}' has {units}: one bound cannot hold both", "signal")
-    description = system.fmus[entry.signal.partition(".")[0]].description
+    description = system.fmus[split(entry.signal)[0]].description
     bounds: dict[str, float | None] = {}
     for key in ("at_most", "at_least"):
         value = getattr(entry, key)

@@ -10,7 +10,9 @@ from rich.console import Console
 from rich.text import Text
 
 from navfmu.errors import NavfmuError
-from navfmu.fmi.fmu import Description, Variable, binaries, describe, platforms
+from navfmu.fmi import names
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.fmu import binaries, describe, platforms
 from navfmu.ssp import reader
 from navfmu.system import shipped
 from navfmu.system.display import Display
@@ -59,7 +61,7 @@ def _show_fmu(path: Path) -> None:
         "needs another tool to run": about.needs_execution_tool,
     }
     _line(out, "abilities", ", ".join(name for name, can in able.items() if can) or "none declared")
-    bundles = _bundles(about)
+    bundles = names.bundles(about)  # the targets of dropouts
     if bundles:
         _line(out, "bundles", f"{', '.join(bundles)} (with valid, sequence and time_of_validity)")
     inputs = [v for v in about.variables if v.causality == "input"]
@@ -78,12 +80,6 @@ def _line(out: Console, name: str, text: str) -> None:
     say(out, f"{name:<11} {text}", hang=12)
 
 
-def _bundles(about: Description) -> list[str]:
-    """Output bundles, the targets of dropouts."""
-    outputs = {v.name for v in about.variables if v.causality == "output"}
-    return sorted(n.removesuffix(".valid") for n in outputs if n.endswith(".valid") and f"{n[:-5]}sequence" in outputs)
-
-
 def _variables(variables: list[Variable], about: Description, title: str) -> Table:
     columns = [
         Column("name", Kind.NAME),
@@ -93,7 +89,10 @@ def _variables(variables: list[Variable], about: Description, title: str) -> Tab
         Column("range", Kind.WORD),
         Column("description", Kind.SENTENCE),
     ]
-    rows = ([v.name, v.type, v.unit or "", _start(v, about), _range(v), v.description] for v in variables)
+    rows = (
+        [v.name, "Enumeration" if v.enumeration else v.type, v.unit or "", _start(v, about), _range(v), v.description]
+        for v in variables
+    )
     return Table(columns, rows, title)
 
 
@@ -158,17 +157,17 @@ def _show_connections(out: Console, system: System) -> None:
     """Connections by pairs of components, arrays and bundles folded."""
     pairs: dict[tuple[str, str], list[str]] = {}
     for link in system.links:
-        (a, output), (b, _) = link.source.split(".", 1), link.target.split(".", 1)
-        name = output.split("[")[0]
+        (a, output), (b, _) = names.split(link.source), names.split(link.target)
+        name = names.array(output)
         if link.scaled:
             name += f" (times {link.factor:g}" + (f" plus {link.offset:g})" if link.offset else ")")
-        names = pairs.setdefault((a, b), [])
-        if name not in names:
-            names.append(name)
+        signals = pairs.setdefault((a, b), [])
+        if name not in signals:
+            signals.append(name)
     if not pairs:
         return
     columns = [Column("from", Kind.NAME), Column("to", Kind.NAME), Column("signals", Kind.SENTENCE)]
-    rows = ([a, b, ", ".join(names)] for (a, b), names in pairs.items())
+    rows = ([a, b, ", ".join(signals)] for (a, b), signals in pairs.items())
     out.print(Table(columns, rows, f"{len(system.links)} connections"))
 
 
@@ -184,7 +183,7 @@ def _show_free_inputs(out: Console, system: System) -> None:
     for name, variable in free:
         if variable.fault:
             unit = f" ({variable.unit})" if variable.unit else ""
-            failing.setdefault(name.split("[")[0], variable.description.removeprefix("fault: ") + unit)
+            failing.setdefault(names.array(name), variable.description.removeprefix("fault: ") + unit)
     if failing:
         say(out, Text.assemble(("fault inputs", "bold"), " (a fault of type 'input' drives them)"))
         out.print(Table([Column("", Kind.NAME), Column("", Kind.SENTENCE)], failing.items()))

@@ -296,7 +296,7 @@ class Compiled:
     def _fill(self, number: int, to: structures.Component, part: Part) -> None:
         self._at(number, "the loading of its binary")
         try:
-            fmu = fmi2(part.component.library)
+            fmu = fmi2(part.component.fmu.library)
         except NavfmuError as error:
             raise NavfmuError(f"component '{part.component.name}': {error}") from None
         self._nowhere()
@@ -335,8 +335,8 @@ class Compiled:
         component, fmu = part.component, self._fmus[number]
         log, callbacks = self._logs[number], self._callbacks[number]
         self._library.prepare_callbacks(byref(callbacks), byref(log))
-        resources = resource_uri(component.directory).encode()
-        texts = (component.name.encode(), 1, component.guid.encode(), resources)  # 1: co-simulation
+        resources = resource_uri(component.fmu.folder).encode()
+        texts = (component.name.encode(), 1, component.description.guid.encode(), resources)  # 1: co-simulation
         self._at(number, "fmi2Instantiate")
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         self._nowhere()

@@ -24,9 +24,12 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine.clock import FOREVER, Clock, exact
-from navfmu.engine.component import Component, Variable
-from navfmu.errors import nearest
-from navfmu.faults.fault import Fault, is_number
+from navfmu.engine.component import Component
+from navfmu.errors import NavfmuError, nearest
+from navfmu.faults.fault import Fault
+from navfmu.fmi import names
+from navfmu.fmi.description import Variable
+from navfmu.fmi.values import check_range, spread, typed
 
 ADD, RAMP, SET, HOLD, NOISE = range(5)
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
@@ -73,25 +76,25 @@ def effects_of(
 
 
 def _effects(fault: Fault, components: Mapping[str, Component], connected: Collection[tuple[str, str]]) -> list[Effect]:
-    name, _, signal = fault.target.partition(".")
+    name, signal = names.split(fault.target)
     if name not in components:
         hint = nearest(name, components)
         raise fault.error(f"target '{fault.target}': there is no component '{name}'{hint}", "target")
     component = components[name]
     if fault.type == "dropout":
         return _dropout(fault, component, signal)
-    variables = component.elements(signal)
+    variables = names.elements(component.description, signal)
     if not variables:
         wanted = _targets(fault, component, connected)
-        hint = nearest(signal, {base for v in wanted for base in (v.name, v.name.partition("[")[0])})
+        hint = nearest(signal, names.short(v.name for v in wanted))
         raise fault.error(f"target '{fault.target}': component '{name}' has no variable '{signal}'{hint}", "target")
     for variable in variables:
         _check_target(fault, component, variable, connected)
     if fault.type == "input":
-        values = _values(fault, variables, "value", True if variables[0].type == "Boolean" else None)
+        values = _values(fault, component, variables, "value", True if variables[0].type == "Boolean" else None)
         return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
     if fault.type == "parameter":
-        values = _values(fault, variables, "value")
+        values = _values(fault, component, variables, "value")
         return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
     if fault.type == "stuck" and "value" not in fault.parameters:
         return [Effect(fault, name, v.name, HOLD) for v in variables]
@@ -101,35 +104,30 @@ def _effects(fault: Fault, components: Mapping[str, Component], connected: Colle
         "stuck": (SET, "value"),
         "noise": (NOISE, "sigma"),
     }[fault.type]
-    values = _values(fault, variables, parameter)
+    values = _values(fault, component, variables, parameter)
     return [Effect(fault, name, v.name, kind, a, i) for i, (v, a) in enumerate(zip(variables, values, strict=True))]
 
 
 def _dropout(fault: Fault, component: Component, bundle: str) -> list[Effect]:
-    members = [v for v in component.variables.values() if v.causality == "output" and v.name.startswith(bundle + ".")]
-    names = {v.name for v in members}
-    if not {f"{bundle}.valid", f"{bundle}.sequence"} <= names:
-        known = sorted(
-            v.name.removesuffix(".valid")
-            for v in component.variables.values()
-            if v.causality == "output" and v.name.endswith(".valid")
-        )
+    known = names.bundles(component.description)
+    if bundle not in known:
         have = ", ".join(f"'{name}'" for name in known) or "none"
         raise fault.error(
             f"target '{fault.target}' is not an output bundle (values with 'valid' and 'sequence')"
             f"{nearest(bundle, known)}; bundles of '{component.name}': {have}",
             "target",
         )
-    return [Effect(fault, component.name, v.name, SET if v.name == f"{bundle}.valid" else HOLD, 0.0) for v in members]
+    outputs = [v.name for v in component.description.with_causality("output") if v.name.startswith(f"{bundle}.")]
+    return [Effect(fault, component.name, name, SET if name == f"{bundle}.valid" else HOLD) for name in outputs]
 
 
 def _targets(fault: Fault, component: Component, connected: Collection[tuple[str, str]]) -> list[Variable]:
     """Variables of a component that this type of fault may act on."""
     if fault.type == "input":
-        return [v for v in component.with_causality("input") if (component.name, v.name) not in connected]
+        return [v for v in component.description.with_causality("input") if (component.name, v.name) not in connected]
     if fault.type == "parameter":
-        return [v for v in component.with_causality("parameter") if v.variability == "tunable"]
-    return [v for v in component.with_causality("output") if fault.type == "stuck" or v.type == "Real"]
+        return [v for v in component.description.with_causality("parameter") if v.variability == "tunable"]
+    return [v for v in component.description.with_causality("output") if fault.type == "stuck" or v.type == "Real"]
 
 
 def _check_target(
@@ -166,37 +164,33 @@ def _article(word: str) -> str:
     return f"an {word}" if word[0] in "aeiouI" else f"a {word}"
 
 
-def _values(fault: Fault, variables: list[Variable], parameter: str, default: Any = None) -> list[float]:
+def _values(
+    fault: Fault, component: Component, variables: list[Variable], parameter: str, default: Any = None
+) -> list[float]:
     """A fault's parameter for each element of its target, checked against the element's type and range."""
     value = fault.parameters.get(parameter, default)
     if value is None:
         raise fault.error(f"type '{fault.type}' needs the parameter '{parameter}' for a Real or Integer target", "type")
-    values = value if isinstance(value, list | tuple) else [value] * len(variables)
-    if len(values) != len(variables):
-        raise fault.error(f"'{parameter}' has {len(values)} values, but the target has {len(variables)}", parameter)
-    return [_value(fault, v, parameter, a) for v, a in zip(variables, values, strict=True)]
+    try:
+        values = spread(value, len(variables), f"'{parameter}'")
+        return [_value(fault, component, v, parameter, a) for v, a in zip(variables, values, strict=True)]
+    except NavfmuError as problem:
+        raise fault.error(str(problem), parameter) from None
 
 
-def _value(fault: Fault, variable: Variable, parameter: str, value: Any) -> float:
-    if variable.type == "Boolean":
-        if not isinstance(value, bool):
-            raise fault.error(f"'{parameter}' must be true or false for '{variable.name}', not {value!r}", parameter)
-        return float(value)
-    if not is_number(value) or not math.isfinite(value):
-        raise fault.error(f"'{parameter}' must be a finite number for '{variable.name}', not {value!r}", parameter)
-    if variable.type == "Integer" and (value != int(value) or abs(value) >= 2**31):
-        raise fault.error(f"'{parameter}' must be a whole number for '{variable.name}', not {value!r}", parameter)
-    if parameter == "sigma" and value < 0:
-        raise fault.error(f"'sigma' must not be negative, not {value!r}", parameter)
+def _value(fault: Fault, component: Component, variable: Variable, parameter: str, value: Any) -> float:
+    """A number in the variable's unit; what takes the place of the variable's own value may be a text with a unit."""
+    what = f"'{parameter}' = {value} for '{variable.name}'"
+    if isinstance(value, str) and fault.type in ("bias", "drift", "noise"):
+        raise NavfmuError(f"{what}: expected a number")
+    number = typed(component.description, variable, value, what)
+    if parameter == "sigma" and number < 0:
+        raise NavfmuError(f"{what}: expected a number that is not negative")
     if fault.type in ("input", "parameter"):
-        low = -math.inf if variable.min is None else variable.min
-        high = math.inf if variable.max is None else variable.max
-        if not low <= value <= high:
-            raise fault.error(
-                f"'{parameter}' = {value:.9g} is outside {low:.9g} to {high:.9g}, the range of '{variable.name}'",
-                parameter,
-            )
-    return float(value)
+        check_range(variable, number, f"'{parameter}'")
+    elif not math.isfinite(number):
+        raise NavfmuError(f"{what}: expected a finite number")
+    return float(number)
 
 
 def table(effects: list[Effect], slots: Mapping[tuple[str, str], int], clock: Clock, seed: int) -> np.ndarray:

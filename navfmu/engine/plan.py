@@ -32,13 +32,16 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine.clock import Clock
-from navfmu.engine.component import Component, Variable
+from navfmu.engine.component import Component
 from navfmu.engine.effect import EFFECT, effects_of, idle, table
 from navfmu.engine.link import Link
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
-from navfmu.faults.fault import Fault, is_number
-from navfmu.fmi.names import is_pattern, stands_for
+from navfmu.faults.fault import Fault
+from navfmu.fmi import names
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.names import Signal
+from navfmu.fmi.values import expand
 
 TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
@@ -158,10 +161,12 @@ def make_plan(
     clock = Clock.of(step, stop)
     every = 1 if record_period is None else clock.multiple(record_period, "recording period")
     by_name = _by_name(components)
-    wires = [_wire(link, by_name) for link in links]
+    system = {name: component.description for name, component in by_name.items()}
+    starts = {name: expand(system[name], c.start, f"component '{name}'") for name, c in by_name.items()}
+    wires = [_wire(link, system) for link in links]
     connected = _connected(wires)
     effects = effects_of(faults, by_name, connected)
-    columns = _columns(record, by_name)
+    columns = _columns(record, system)
 
     index = {component.name: i for i, component in enumerate(components)}
     order, cut_edges = sort_components(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
@@ -174,7 +179,7 @@ def make_plan(
         if end.key not in connected and end.key not in driven:
             read.add(end.key)
     outputs = {
-        c.name: {t: [v for v in c.variables.values() if v.type == t and (c.name, v.name) in read] for t in TYPES}
+        c.name: {t: [v for v in c.description.variables if v.type == t and (c.name, v.name) in read] for t in TYPES}
         for c in components
     }
     signals = [(c.name, v.name) for c in components for t in TYPES for v in outputs[c.name][t]] + list(driven)
@@ -184,7 +189,7 @@ def make_plan(
     ordered += [e for e in effects if e.driven]
     effect_table = table(ordered, slots, clock, seed) if ordered else np.zeros(0, EFFECT)
 
-    undisturbed = {(c, v): _undisturbed(by_name[c], v) for c, v in driven}
+    undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     useless = idle(ordered, effect_table, clock, undisturbed)
 
     parts, first_effect = [], 0
@@ -193,7 +198,8 @@ def make_plan(
         count = sum(e.component == component.name and not e.driven for e in ordered)
         references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
         first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
-        parts.append(Part(component, _settings(component), *groups, first_signal, references, first_effect, count))
+        settings = _settings(component, starts[component.name])
+        parts.append(Part(component, settings, *groups, first_signal, references, first_effect, count))
         first_effect += count
     return Plan(
         parts=tuple(parts),
@@ -211,22 +217,7 @@ def make_plan(
     )
 
 
-@dataclass(frozen=True)
-class _End:
-    """One end of a link: a variable of a component."""
-
-    component: str
-    variable: Variable
-
-    @property
-    def key(self) -> tuple[str, str]:
-        return self.component, self.variable.name
-
-    def __str__(self) -> str:
-        return f"{self.component}.{self.variable.name}"
-
-
-_Wire = tuple[_End, _End, Link]  # a link and its ends
+_Wire = tuple[Signal, Signal, Link]  # a link and its ends
 
 
 def _by_name(components: Sequence[Component]) -> dict[str, Component]:
@@ -235,31 +226,20 @@ def _by_name(components: Sequence[Component]) -> dict[str, Component]:
         if component.name in by_name:
             raise NavfmuError(f"two components have the name '{component.name}'")
         by_name[component.name] = component
-        if component.single and sum(other.library == component.library for other in by_name.values()) > 1:
+        library, about = component.fmu.library, component.description
+        if about.only_one_instance and sum(other.fmu.library == library for other in by_name.values()) > 1:
             raise NavfmuError(
-                f"component '{component.name}': the FMU '{component.identifier}' allows one instance in a process only"
+                f"component '{component.name}': the FMU '{about.model_identifier}' allows one instance in a process "
+                "only"
             )
     if not by_name:
         raise NavfmuError("the system has no components")
     return by_name
 
 
-def _end(name: str, by_name: Mapping[str, Component], where: str) -> _End:
-    """The variable that "component.variable" names."""
-    component, dot, variable = name.partition(".")
-    if component not in by_name:
-        raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, by_name)}")
-    variables = by_name[component].variables
-    if not dot or variable not in variables:
-        raise NavfmuError(
-            f"{where}: component '{component}' has no variable '{variable}'{nearest(variable, variables)}"
-        )
-    return _End(component, variables[variable])
-
-
-def _wire(link: Link, by_name: Mapping[str, Component]) -> _Wire:
+def _wire(link: Link, system: Mapping[str, Description]) -> _Wire:
     where = f"connection {link.source} -> {link.target}"
-    source, target = _end(link.source, by_name, where), _end(link.target, by_name, where)
+    source, target = names.find(system, link.source, where), names.find(system, link.target, where)
     if source.variable.causality != "output":
         raise NavfmuError(f"{where}: '{source}' is not an output ({source.variable.causality})")
     if target.variable.causality != "input":
@@ -274,9 +254,9 @@ def _wire(link: Link, by_name: Mapping[str, Component]) -> _Wire:
     return source, target, link
 
 
-def _connected(wires: Sequence[_Wire]) -> dict[tuple[str, str], tuple[_End, Link]]:
+def _connected(wires: Sequence[_Wire]) -> dict[tuple[str, str], tuple[Signal, Link]]:
     """For each connected input its source."""
-    connected: dict[tuple[str, str], tuple[_End, Link]] = {}
+    connected: dict[tuple[str, str], tuple[Signal, Link]] = {}
     for source, target, link in wires:
         if target.key in connected:
             raise NavfmuError(f"input '{target}' has two sources: '{connected[target.key][0]}' and '{source}'")
@@ -290,7 +270,7 @@ def _groups(
     driven: Mapping[tuple[str, str], None],
     slots: Mapping[tuple[str, str], int],
     algorithm: str,
-    cut: set[tuple[_End, _End]],
+    cut: set[tuple[Signal, Signal]],
 ) -> tuple[Inputs, Inputs, Inputs, Inputs]:
     """The inputs of a component: smooth, held Real, Integer, Boolean."""
     groups: dict[str, list[tuple[Variable, int, float, float]]] = {"smooth": [], **{t: [] for t in TYPES}}
@@ -299,7 +279,7 @@ def _groups(
             continue
         smooth = (
             algorithm == "gauss_seidel"
-            and component.interpolates
+            and component.description.can_interpolate_inputs
             and target.variable.type == source.variable.type == "Real"
             and target.variable.variability == source.variable.variability == "continuous"
             and (source, target) not in cut
@@ -308,7 +288,7 @@ def _groups(
         groups[group].append((target.variable, slots[source.key], link.factor, link.offset))
     for name, variable in driven:
         if name == component.name:
-            target_variable = component.variables[variable]
+            target_variable = component.description.by_name[variable]
             groups[target_variable.type].append((target_variable, slots[name, variable], 1.0, 0.0))
     return tuple(_inputs(rows) for rows in groups.values())  # type: ignore[return-value]
 
@@ -324,121 +304,50 @@ def _inputs(rows: list[tuple[Variable, int, float, float]]) -> Inputs:
     )
 
 
-def _settings(component: Component) -> dict[str, Settings]:
-    """Start values by type, checked: known, settable, of the right type and in range."""
-    chosen: dict[str, Any] = {}
-    for name, value in component.start.items():
-        variables = component.elements(name)
-        if not variables:
-            hint = nearest(name, [v.name for v in component.variables.values() if _settable(v)])
-            raise NavfmuError(f"start value: component '{component.name}' has no variable '{name}'{hint}")
-        values = value if isinstance(value, list | tuple | np.ndarray) else [value] * len(variables)
-        if len(values) != len(variables):
-            raise NavfmuError(f"'{component.name}.{name}' has {len(variables)} elements but {len(values)} start values")
-        chosen |= {v.name: _start(component, v, a) for v, a in zip(variables, values, strict=True)}
+def _settings(component: Component, start: Mapping[str, Any]) -> dict[str, Settings]:
+    """Start values by type."""
+    known = component.description.by_name
     settings = {}
     for kind in (*TYPES, "String"):
-        of_kind = [component.variables[name] for name in chosen if component.variables[name].type == kind]
+        of_kind = [known[name] for name in start if known[name].type == kind]
         settings[kind] = Settings(
             tuple(v.name for v in of_kind),
             np.array([v.reference for v in of_kind], np.uint32),
-            tuple(chosen[v.name] for v in of_kind),
+            tuple(start[v.name] for v in of_kind),
         )
     return settings
 
 
-def _settable(variable: Variable) -> bool:
-    if variable.variability == "constant":
-        return False
-    return variable.causality in ("parameter", "input") or variable.initial in ("exact", "approx")
-
-
-def _start(component: Component, variable: Variable, value: Any) -> Any:
-    name = f"'{component.name}.{variable.name}'"
-    if isinstance(value, np.generic):
-        value = value.item()
-    if not _settable(variable):
-        raise NavfmuError(f"{name} cannot be given a start value: it is a {variable.variability} {variable.causality}")
-    if variable.type == "String":
-        if not isinstance(value, str):
-            raise NavfmuError(f"the start value of {name} must be a text, not {value!r}")
-        return value
-    if variable.type == "Boolean":
-        if not isinstance(value, bool) and value not in (0, 1):
-            raise NavfmuError(f"the start value of {name} must be true or false, not {value!r}")
-        return bool(value)
-    whole = variable.type == "Integer"
-    if not is_number(value) or (whole and not (-(2**31) <= value < 2**31 and value == int(value))):
-        expected = "a whole number from -2147483648 to 2147483647" if whole else "a number"
-        raise NavfmuError(f"the start value of {name} must be {expected}, not {value!r}")
-    low = -np.inf if variable.min is None else variable.min
-    high = np.inf if variable.max is None else variable.max
-    if not low <= value <= high:
-        unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
-        raise NavfmuError(f"{name} = {value:.9g}{unit} is outside its range {low:.9g} to {high:.9g}{unit}")
-    return int(value) if whole else float(value)
-
-
-def _undisturbed(component: Component, name: str) -> float:
+def _undisturbed(component: Component, start: Mapping[str, Any], name: str) -> float:
     """The value of a driven variable while no fault acts on it."""
-    value = component.variables[name].start
-    for key, given in component.start.items():
-        for place, variable in enumerate(component.elements(key)):
-            if variable.name == name:
-                value = given[place] if isinstance(given, list | tuple | np.ndarray) else given
+    value = start.get(name, component.description.by_name[name].start)
     if value is None:
         raise NavfmuError(f"'{component.name}.{name}' has no start value to return to after a fault")
     return float(value)
 
 
-def _columns(record: Sequence[str] | None, by_name: Mapping[str, Component]) -> list[tuple[_End, bool]]:
+def _columns(record: Sequence[str] | None, system: Mapping[str, Description]) -> list[tuple[Signal, bool]]:
     """The variables to record, each with whether its true value is wanted."""
     if record is None:
-        return [
-            (_End(c.name, v), False) for c in by_name.values() for v in c.with_causality("output") if v.type in TYPES
-        ]
-    columns: dict[tuple[tuple[str, str], bool], _End] = {}
+        return [(end, False) for end in names.outputs(system)]
+    columns: dict[tuple[tuple[str, str], bool], Signal] = {}
     for name in [record] if isinstance(record, str) else record:
+        where = f"recorded signal '{name}'"
         signal, _, suffix = name.partition("@")
         if suffix not in ("", "true") or name.endswith("@"):
-            raise NavfmuError(f"recorded signal '{name}': after @ only 'true' is known")
-        for end in _matching(signal, by_name):
+            raise NavfmuError(f"{where}: after @ only 'true' is known")
+        for end in names.signals(system, signal, where):
             if suffix and end.variable.causality != "output":
-                raise NavfmuError(f"recorded signal '{name}': only outputs have a true value beside the faulted one")
+                raise NavfmuError(f"{where}: only outputs have a true value beside the faulted one")
             columns[end.key, bool(suffix)] = end
     return [(end, true) for (_, true), end in columns.items()]
 
 
-def _matching(name: str, by_name: Mapping[str, Component]) -> list[_End]:
-    """The variables meant by a name, array, bundle or pattern."""
-    where = f"recorded signal '{name}'"
-    if is_pattern(name):
-        found = [
-            _End(c.name, v)
-            for c in by_name.values()
-            for v in c.with_causality("output")
-            if v.type in TYPES and stands_for(name, f"{c.name}.{v.name}")
-        ]
-        if not found:
-            raise NavfmuError(f"{where}: no output matches the pattern")
-        return found
-    component, _, variable = name.partition(".")
-    if component in by_name and variable and variable not in by_name[component].variables:
-        members = (f"{variable}[", f"{variable}.")
-        found = [_End(component, v) for v in by_name[component].variables.values() if v.name.startswith(members)]
-        if found:
-            return [end for end in found if end.variable.type in TYPES]
-    end = _end(name, by_name, where)
-    if end.variable.type not in TYPES:
-        raise NavfmuError(f"{where}: a {end.variable.type} cannot be recorded")
-    return [end]
-
-
 def _recorded(
-    end: _End,
+    end: Signal,
     true: bool,
     slots: Mapping[tuple[str, str], int],
-    connected: Mapping[tuple[str, str], tuple[_End, Link]],
+    connected: Mapping[tuple[str, str], tuple[Signal, Link]],
 ) -> Recorded:
     name = f"{end}@true" if true else str(end)
     variable = end.variable
@@ -448,7 +357,7 @@ def _recorded(
     return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)
 
 
-def _notes(cut: Sequence[tuple[_End, _End]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:
+def _notes(cut: Sequence[tuple[Signal, Signal]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:
     if cut and algorithm == "gauss_seidel":
         where = ", ".join(f"{s} -> {t}" for s, t in cut)
         yield f"the system has cycles; one communication step late: {where}"

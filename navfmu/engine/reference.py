@@ -225,11 +225,11 @@ class Reference:
     def _instantiate(self, number: int, part: Part) -> None:
         component, log = part.component, self._logs[number]
         fmu = FMU2Slave(
-            guid=component.guid,
-            modelIdentifier=component.identifier,
-            unzipDirectory=str(component.directory.resolve()),
+            guid=component.description.guid,
+            modelIdentifier=component.description.model_identifier,
+            unzipDirectory=str(component.fmu.folder.resolve()),
             instanceName=component.name,
-            libraryPath=str(component.library),
+            libraryPath=str(component.fmu.library),
         )
         callbacks = fmi2CallbackFunctions()
         engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))

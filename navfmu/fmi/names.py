@@ -1,17 +1,150 @@
-"""Names that stand for several signals: arrays, bundles, components and patterns."""
+"""What a name stands for.
+
+In an FMU: a variable ("tau"), all elements of an array ("x" for "x[1]", "x[2]" ...), all members of a bundle ("reading"
+for "reading.rate[1]", "reading.valid" ...). In a system the component's name comes first ("imu.reading"), alone it
+stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for the outputs whose names match.
+"""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmi.values import group
+from navfmu.fmi.description import Description, Variable
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A variable of a component of a system."""
+
+    component: str
+    variable: Variable
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Names of component and variable."""
+        return self.component, self.variable.name
+
+    def __str__(self) -> str:
+        return f"{self.component}.{self.variable.name}"
+
+
+def split(name: str) -> tuple[str, str]:
+    """Component and variable of "imu.reading.rate[1]": ("imu", "reading.rate[1]")."""
+    component, _, variable = name.partition(".")
+    return component, variable
+
+
+def array(name: str) -> str:
+    """The array of an element: "reading.rate" of "reading.rate[1]"; other names stay as they are."""
+    return name.partition("[")[0]
+
+
+def bundle(name: str) -> str:
+    """The bundle of a member: "reading" of "reading.rate[1]"; empty if there is none."""
+    return name.rpartition(".")[0]
+
+
+# ---- in an FMU -------------------------------------------------------------------------------------------------------
+
+
+def group(names: Iterable[str], name: str) -> dict[str, str]:
+    """Which of ``names`` a name stands for, by suffix: itself (""), elements ("[1]") or members (".valid")."""
+    found = {}
+    for candidate in names:
+        if candidate == name:
+            return {"": candidate}
+        if candidate.startswith(name) and candidate[len(name)] in "[.":
+            found[candidate[len(name) :]] = candidate
+    return found
+
+
+def elements(description: Description, name: str) -> list[Variable]:
+    """The variable or the elements of the array of this name; empty if there is none."""
+    found = group(description.by_name, name)
+    return [description.by_name[full] for suffix, full in found.items() if not suffix.startswith(".")]
+
+
+def members(description: Description, name: str, causalities: set[str], where: str) -> dict[str, Variable]:
+    """The variables that ``name`` stands for and that have one of the causalities, by suffix."""
+    chosen = {suffix: description.by_name[full] for suffix, full in group(description.by_name, name).items()}
+    if not chosen:
+        hint = nearest(name, short(v.name for v in description.with_causality(*causalities)))
+        raise NavfmuError(f"{where}: {description.model_name} has no variable '{name}'{hint}")
+    right = {suffix: variable for suffix, variable in chosen.items() if variable.causality in causalities}
+    if not right:
+        is_ = next(iter(chosen.values())).causality
+        raise NavfmuError(
+            f"{where}: '{name}' of {description.model_name} is {is_}, expected {' or '.join(sorted(causalities))}"
+        )
+    return right
+
+
+def bundles(description: Description) -> list[str]:
+    """The output bundles: those with "valid" and "sequence"."""
+    outputs = {variable.name for variable in description.with_causality("output")}
+    return sorted(bundle(name) for name in outputs if f"{bundle(name)}.sequence" in outputs and name.endswith(".valid"))
+
+
+def short(names: Iterable[str]) -> list[str]:
+    """Everything that can be written to mean some of these variables, for "did you mean"."""
+    known: dict[str, None] = {}
+    for name in names:
+        ends = [place for place, sign in enumerate(name) if sign in "[."]
+        known |= dict.fromkeys([name, *(name[:end] for end in reversed(ends))])
+    return list(known)
+
+
+# ---- in a system -----------------------------------------------------------------------------------------------------
+
+
+def find(system: Mapping[str, Description], name: str, where: str) -> Signal:
+    """The one variable of that name in a system, or a sentence with the nearest one."""
+    component, variable = split(name)
+    if component not in system:
+        raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, system)}")
+    known = system[component].by_name
+    if variable not in known:
+        raise NavfmuError(f"{where}: component '{component}' has no variable '{variable}'{nearest(variable, known)}")
+    return Signal(component, known[variable])
+
+
+def outputs(system: Mapping[str, Description]) -> list[Signal]:
+    """All outputs that can be recorded (not texts)."""
+    return [
+        Signal(component, variable)
+        for component, description in system.items()
+        for variable in description.variables
+        if variable.causality == "output" and variable.type != "String"
+    ]
+
+
+def signals(system: Mapping[str, Description], name: str, where: str) -> list[Signal]:
+    """The recordable variables that a name or pattern stands for; at least one."""
+    if is_pattern(name):
+        found = [output for output in outputs(system) if stands_for(name, str(output))]
+        if not found:
+            raise NavfmuError(f"{where}: no output matches the pattern")
+        return found
+    if name in system:
+        return outputs({name: system[name]})
+    component, variable = split(name)
+    known = system[component].by_name if component in system and variable else {}
+    chosen = [Signal(component, known[full]) for full in group(known, variable).values()]
+    chosen = chosen or [find(system, name, where)]
+    recordable = [signal for signal in chosen if signal.variable.type != "String"]
+    if not recordable:
+        raise NavfmuError(f"{where}: a String cannot be recorded")
+    return recordable
+
+
+# ---- in a recording --------------------------------------------------------------------------------------------------
 
 
 def is_pattern(name: str) -> bool:
-    """Whether a name has wildcards; brackets are those of arrays."""
+    """Whether a name has one of the signs * and ?."""
     return any(sign in name for sign in "*?")
 
 
@@ -26,12 +159,8 @@ def chosen(signals: Sequence[str], names: Iterable[str], where: str) -> list[str
     """The signals that are meant by names, in the order of the names; a name that means none is an error."""
     found: dict[str, None] = {}
     for name in names:
-        meant = [signal for signal in signals if stands_for(name, signal)]
-        if name in signals:  # and not also those that begin with it
-            meant = [name]
+        meant = [name] if name in signals else [signal for signal in signals if stands_for(name, signal)]
         if not meant:
-            parts = (re.split(r"(?=[.\[])", signal) for signal in signals)
-            bases = {"".join(p[: i + 1]) for p in parts for i in range(len(p))}
-            raise NavfmuError(f"{where}: there is no signal '{name}'{nearest(name, sorted(bases))}")
+            raise NavfmuError(f"{where}: there is no signal '{name}'{nearest(name, short(signals))}")
         found |= dict.fromkeys(meant)
     return list(found)

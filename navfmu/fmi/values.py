@@ -1,46 +1,20 @@
-"""Values for variables of an FMU: names that stand for arrays and bundles, texts with units, types and ranges."""
+"""Values for variables of an FMU: one for each element of an array, texts with units, types and ranges."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmi.fmu import Description, Variable
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.names import group, short
 from navfmu.fmi.units import COMMON, conversion
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
 _TRUE, _FALSE = {"true", "1", "yes", "on"}, {"false", "0", "no", "off"}
-
-
-def group(names: Iterable[str], name: str) -> dict[str, str]:
-    """Which of ``names`` a name stands for, by suffix: itself, the elements of an array, the members of a bundle."""
-    found = {}
-    for candidate in names:
-        if candidate == name:
-            return {"": candidate}
-        if candidate.startswith(name) and candidate[len(name)] in "[.":
-            found[candidate[len(name) :]] = candidate
-    return found
-
-
-def members(description: Description, name: str, causalities: set[str], where: str) -> dict[str, Variable]:
-    """The variables that ``name`` stands for and that have one of the causalities, by suffix."""
-    found = group(description.by_name, name)
-    if not found:
-        known = [v.name for v in description.variables if v.causality in causalities]
-        bases = {re.split(r"[\[.]", known_name)[0] for known_name in known} | set(known)
-        raise NavfmuError(f"{where}: {description.model_name} has no variable '{name}'{nearest(name, sorted(bases))}")
-    chosen = {suffix: description.by_name[n] for suffix, n in found.items()}
-    right = {suffix: variable for suffix, variable in chosen.items() if variable.causality in causalities}
-    if not right:
-        is_ = next(iter(chosen.values())).causality
-        raise NavfmuError(
-            f"{where}: '{name}' of {description.model_name} is {is_}, expected {' or '.join(causalities)}"
-        )
-    return right
 
 
 def expand(description: Description, values: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -52,14 +26,13 @@ def expand(description: Description, values: Mapping[str, Any], where: str) -> d
     for name, value in values.items():
         found = group(description.by_name, name)
         if not found:
-            known = {v.name for v in description.variables if _settable(v)}
-            known |= {re.split(r"\[", n)[0] for n in known}
-            raise NavfmuError(f"{where}: {description.model_name} has no parameter '{name}'{nearest(name, known)}")
+            hint = nearest(name, short(v.name for v in description.variables if v.settable))
+            raise NavfmuError(f"{where}: {description.model_name} has no parameter '{name}'{hint}")
         if any(suffix.startswith(".") for suffix in found):
             members_ = ", ".join(found.values())
             raise NavfmuError(f"{where}: '{name}' is a bundle; name one of its members: {members_}")
-        elements = _elements(value, len(found), f"{where}: '{name}'")
-        for variable_name, element in zip(found.values(), elements, strict=True):
+        values_ = spread(value, len(found), f"{where}: '{name}'")
+        for variable_name, element in zip(found.values(), values_, strict=True):
             variable = description.by_name[variable_name]
             flat[variable_name] = checked(description, variable, element, where)
     return flat
@@ -67,23 +40,31 @@ def expand(description: Description, values: Mapping[str, Any], where: str) -> d
 
 def checked(description: Description, variable: Variable, value: Any, where: str) -> float | int | bool | str:
     """One value in the variable's own type and unit, or a sentence why it cannot be."""
-    if not _settable(variable):
+    if not variable.settable:
         raise NavfmuError(
             f"{where}: '{variable.name}' cannot be set: it is {variable.causality}, {variable.variability}; "
             "expected a parameter or an input"
         )
-    what = f"{where}: '{variable.name}' = {value}"
+    number = typed(description, variable, value, f"{where}: '{variable.name}' = {value}")
+    if variable.type in ("Real", "Integer"):
+        check_range(variable, number, where)
+    return number
+
+
+def typed(description: Description, variable: Variable, value: Any, what: str) -> float | int | bool | str:
+    """A value in the variable's own type and unit, whatever its range; ``what`` begins the sentence if it is none."""
     if variable.type == "String":
-        return str(value)
+        if not isinstance(value, str):
+            raise NavfmuError(f"{what}: expected a text")
+        return value
     if variable.type == "Boolean":
         return _boolean(value, what)
     number = quantity(description, variable, value, what)
-    if variable.type in ("Integer", "Enumeration"):
+    if variable.type == "Integer":
         if not math.isfinite(number) or number != math.floor(number) or not -(2**31) <= number < 2**31:
             raise NavfmuError(f"{what}: expected an integer from -2147483648 to 2147483647")
-        number = int(number)
-    check_range(variable, number, where)
-    return number
+        return int(number)
+    return float(number)
 
 
 def check_range(variable: Variable, value: float, where: str) -> None:
@@ -103,15 +84,8 @@ def check_range(variable: Variable, value: float, where: str) -> None:
     raise NavfmuError(f"{where}: '{variable.name}' = {value:.12g}{unit} is out of range: {allowed}")
 
 
-def _settable(variable: Variable) -> bool:
-    if variable.variability == "constant" or variable.causality in ("independent", "calculatedParameter", "output"):
-        return False
-    if variable.causality in ("parameter", "input"):
-        return True
-    return variable.initial in ("exact", "approx")
-
-
-def _elements(value: Any, count: int, what: str) -> list[Any]:
+def spread(value: Any, count: int, what: str) -> list[Any]:
+    """A value for each of ``count`` elements: those of a list or "[1, 2]", or the same for all."""
     if isinstance(value, str):
         text = value.strip()
         if text.startswith("[") and text.endswith("]"):
@@ -156,14 +130,15 @@ def quantity(description: Description, variable: Variable, value: Any, what: str
             raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
         number, unit = float(match[1]), match[2]
         return _in_own_unit(description, variable, number, unit, what) if unit else number
-    try:
-        return value if isinstance(value, int) and not isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
-        raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}") from None
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
+    return value if isinstance(value, int) else float(value)
 
 
 def _with_unit(variable: Variable) -> str:
-    return f", for example '1.5 {variable.display_unit or variable.unit}'" if variable.unit else ""
+    return (
+        f", for example '1.5 {variable.display_unit or variable.unit}'" if variable.unit not in (None, "", "1") else ""
+    )
 
 
 def _in_own_unit(description: Description, variable: Variable, number: float, unit: str, what: str) -> float:

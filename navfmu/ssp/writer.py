@@ -24,9 +24,11 @@ from xml.sax.saxutils import escape
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
-from navfmu.fmi.fmu import Description, Variable, describe
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.fmu import describe
+from navfmu.fmi.names import members
 from navfmu.fmi.units import BASE, Unit
-from navfmu.fmi.values import expand, members
+from navfmu.fmi.values import expand
 from navfmu.ssp.document import MAIN, NAMESPACES, PARAMETER_SET, RESOURCES
 
 
@@ -369,8 +371,6 @@ def _attribute(text: str) -> str:
 def _type(variable: Variable) -> str:
     if variable.type == "Real":
         return _open("ssc:Real", close=True, unit=variable.unit or "")
-    if variable.type == "Enumeration":
-        return "<ssc:Integer/>"
     return f"<ssc:{variable.type}/>"
 
 
@@ -379,8 +379,7 @@ def _value(variable: Variable, value: Any) -> str:
         return _open("ssv:Real", close=True, value=repr(float(value)), unit=variable.unit or "")
     if variable.type == "Boolean":
         return _open("ssv:Boolean", close=True, value="true" if value else "false")
-    kind = "Integer" if variable.type == "Enumeration" else variable.type
-    return f'<ssv:{kind} value="{_attribute(str(value))}"/>'
+    return f'<ssv:{variable.type} value="{_attribute(str(value))}"/>'
 
 
 def _note_unit(units: dict[str, Unit], variable: Variable, description: Description) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from navfmu.errors import NavfmuError
+from navfmu.fmi.names import bundle
 from navfmu.sweep.result import ALGORITHMS, Row
 
 if TYPE_CHECKING:
@@ -91,4 +92,4 @@ def valid(frame: pandas.DataFrame, name: str) -> Any:
 
 def validity(signal: str) -> str:
     """The ``valid`` of the bundle that a signal belongs to, if it belongs to one."""
-    return f"{signal.rpartition('.')[0]}.valid"
+    return f"{bundle(signal)}.valid"

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from navfmu.engine.clock import exact
 from navfmu.errors import NavfmuError
+from navfmu.fmi import names
 from navfmu.sweep.compare import comparable, compare, not_real, validity
 from navfmu.sweep.result import ALGORITHMS, Sweep
 from navfmu.system.experiment import Experiment, number
@@ -137,5 +138,9 @@ def _shared_period(steps: Sequence[float], stop: float) -> float:
 
 def _validities(system: Assembly, signals: Sequence[str]) -> list[str]:
     """The ``valid`` of every bundle that a signal belongs to."""
-    known = {f"{name}.{variable.name}" for name, fmu in system.fmus.items() for variable in fmu.description.variables}
-    return sorted({validity(signal) for signal in signals} & known)
+    known = {str(output) for output in names.outputs(system.descriptions)}
+    return sorted({validity(name) for signal in signals for name in _expanded(system, signal)} & known)
+
+
+def _expanded(system: Assembly, signal: str) -> list[str]:
+    return [str(s) for s in names.signals(system.descriptions, signal.removesuffix("@true"), f"signal '{signal}'")]

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, Self
 from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.toml import Document, read_text
-from navfmu.fmi.fmu import Fmu, Variable, load
+from navfmu.fmi import names
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.fmu import Fmu, load
 from navfmu.fmi.units import Unit, conversion
 from navfmu.fmi.values import checked
 from navfmu.ssp import reader
@@ -66,6 +68,11 @@ class Assembly:
         return self.structure.name
 
     @cached_property
+    def descriptions(self) -> dict[str, Description]:
+        """What each component's FMU says about itself."""
+        return {name: fmu.description for name, fmu in self.fmus.items()}
+
+    @cached_property
     def digest(self) -> str:
         """A hash of everything that determines a run beside its arguments: FMUs, connections, values."""
         total = hashlib.sha256()
@@ -85,14 +92,12 @@ class Assembly:
 
     def variable(self, name: str, where: str = "signal") -> Variable:
         """The variable that "component.variable" names."""
-        component, _, rest = name.partition(".")
-        self.known(component, where)
-        return self.fmus[component].description.variable(rest, f"{where} '{name}'")
+        return names.find(self.descriptions, name, f"{where} '{name}'").variable
 
     def value(self, name: str) -> Any:
         """The start value of "component.variable": the system's, or else that of the FMU."""
         variable = self.variable(name)
-        component = name.partition(".")[0]
+        component, _ = names.split(name)
         return self.values[component].get(variable.name, variable.start)
 
     def faults(self, faults: str | Path | Fault | Sequence[str | Path | Fault] | None) -> tuple[Fault, ...]:
@@ -138,8 +143,8 @@ class Assembly:
         Without names: what the system's report file says, or else all outputs.
         """
         if record is not None:
-            names = [record] if isinstance(record, str) else record
-            return [f"{name}.*" if name in self.fmus else name for name in names]
+            given = [record] if isinstance(record, str) else record
+            return [f"{name}.*" if name in self.fmus else name for name in given]
         return [
             signal
             for name in self.default_record or self.fmus
@@ -147,8 +152,7 @@ class Assembly:
         ]
 
     def _outputs(self, component: str) -> list[str]:
-        variables = self.fmus[component].description.variables
-        return [f"{component}.{v.name}" for v in variables if v.causality == "output" and v.type != "String"]
+        return [str(output) for output in names.outputs({component: self.descriptions[component]})]
 
     @cached_property
     def default_record(self) -> list[str]:
@@ -252,10 +256,8 @@ def _check_connectors(component: Component, fmu: Fmu) -> None:
     for connector in component.connectors.values():
         where = f"{component.where}, connector '{connector.name}'"
         variable = fmu.description.variable(connector.name, where)
-        if connector.type not in (None, variable.type) and (connector.type, variable.type) != (
-            "Integer",
-            "Enumeration",
-        ):
+        kind = "Integer" if connector.type == "Enumeration" else connector.type
+        if kind not in (None, variable.type):
             raise NavfmuError(f"{where}: is {connector.type}, but the FMU's variable is {variable.type}")
         if connector.kind in ("input", "output", "parameter") and connector.kind != variable.causality:
             raise NavfmuError(f"{where}: is an {connector.kind}, but the FMU's variable is {variable.causality}")

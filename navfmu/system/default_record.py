@@ -5,14 +5,12 @@ It is read by itself: a run without a report needs nothing else of the file, nor
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
-from navfmu.errors import nearest
+from navfmu.errors import NavfmuError
 from navfmu.files.toml import Document
 from navfmu.fmi.fmu import Fmu
-from navfmu.fmi.names import is_pattern, stands_for
-from navfmu.fmi.values import group
+from navfmu.fmi.names import Signal, signals
 
 Fmus = Mapping[str, Fmu]  # of one variant, by component
 
@@ -33,27 +31,21 @@ def default_record(document: Document, fmus: Fmus, others: Callable[[], Sequence
 
 def _recordable(name: str, fmus: Fmus) -> bool:
     """Whether a component, signal, array, bundle or pattern is there."""
-    component, dot, rest = name.removesuffix("@true").partition(".")
-    if is_pattern(name):
-        return any(stands_for(name, known) for known in _names(fmus))
-    return component in fmus and (not dot or bool(group(fmus[component].description.by_name, rest)))
+    try:
+        return bool(_signals(name, fmus))
+    except NavfmuError:
+        return False
 
 
 def unknown(name: str, fmus: Fmus) -> str:
-    """What is wrong with a name that no variant has."""
-    component, dot, rest = name.removesuffix("@true").partition(".")
-    if is_pattern(name):
-        return f"no output matches the pattern '{name}'"
-    if component not in fmus:
-        return f"'{name}': there is no component '{component}'{nearest(component, fmus)}"
-    by_name = fmus[component].description.by_name
-    members = list(group(by_name, rest).values())
-    if dot and members:
-        text = f"'{name}' stands for {len(members)} signals; name one"
-        return f"{text}, for example '{component}.{members[0]}'"
-    bases = {re.split(r"\[", known)[0] for known in by_name} | set(by_name)
-    return f"'{name}': {component} has no variable '{rest}'{nearest(rest, sorted(bases))}"
+    """What is wrong with a name that no variant has, or that stands for several signals."""
+    try:
+        found = _signals(name, fmus)
+    except NavfmuError as error:
+        return str(error)
+    return f"'{name}' stands for {len(found)} signals; name one, for example '{found[0]}'"
 
 
-def _names(fmus: Fmus) -> Iterator[str]:
-    return (f"{name}.{v.name}" for name, fmu in fmus.items() for v in fmu.description.variables)
+def _signals(name: str, fmus: Fmus) -> list[Signal]:
+    descriptions = {component: fmu.description for component, fmu in fmus.items()}
+    return signals(descriptions, name.removesuffix("@true"), f"'{name}'")

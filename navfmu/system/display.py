@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from navfmu.fmi.fmu import Description, Variable
+from navfmu.fmi.description import Description, Variable
 
 ANGLE = (0, 0, 0, 0, 0, 0, 0, 1)  # exponents of a unit that measures an angle and nothing else
 

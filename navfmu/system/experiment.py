@@ -137,7 +137,7 @@ class Experiment:
 
         start = self.start_values()
         return make_plan(
-            [Component.of_fmu(name, fmu, start[name]) for name, fmu in self.system.fmus.items()],
+            [Component(name, fmu, start[name]) for name, fmu in self.system.fmus.items()],
             self.system.links,
             step=self.step,
             stop=self.stop,

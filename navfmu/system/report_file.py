@@ -21,8 +21,8 @@ from typing import Annotated, Any
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.schema import Field, Table, Texts, validated
 from navfmu.files.toml import Document
-from navfmu.fmi.fmu import Variable
-from navfmu.fmi.values import group
+from navfmu.fmi import names
+from navfmu.fmi.description import Variable
 from navfmu.report import pictures, statistics
 from navfmu.report.kind import Kind, Picture, Statistic, kinds
 from navfmu.system.default_record import Fmus, default_record, unknown
@@ -82,9 +82,9 @@ class ReportFile:
                         entry.check(units(entry, fmus))
                     except NavfmuError as error:
                         raise document.error(f"{kind} '{entry.kind}': {error}", kind, number) from None
-        names = [statistic.name for statistic in self.statistics]
-        for number, name in enumerate(names):
-            if names.count(name) > 1:
+        titles = [statistic.name for statistic in self.statistics]
+        for number, name in enumerate(titles):
+            if titles.count(name) > 1:
                 what = f"two statistics are named '{name}'" if name else "of several statistics each needs a 'name'"
                 raise document.error(f"{what}; their files are named after it", "statistic", number)
 
@@ -106,7 +106,7 @@ def constants(entry: Kind, fmus: Fmus, values: Mapping[str, Mapping[str, Any]]) 
     """The parameters that a picture needs, lists for arrays; ``values`` are those given, by component and variable."""
     found = {}
     for name in entry.constants():
-        given = values[name.partition(".")[0]]
+        given = values[names.split(name)[0]]
         variables = _found(name, fmus, True)
         numbers = [given.get(variable.name, variable.start) for variable in variables]
         found[name] = numbers[0] if name.endswith(f".{variables[0].name}") else numbers
@@ -115,13 +115,9 @@ def constants(entry: Kind, fmus: Fmus, values: Mapping[str, Mapping[str, Any]]) 
 
 def _found(name: str, fmus: Fmus, array: bool) -> list[Variable]:
     """The variable that a name stands for, or the elements of its array; empty when there is none."""
-    component, _, rest = name.removesuffix("@true").partition(".")
-    if component not in fmus:
-        return []
-    by_name = fmus[component].description.by_name
-    names = group(by_name, rest) if array else {"": rest}
-    found = [by_name[n] for suffix, n in names.items() if n in by_name and not suffix.startswith(".")]
-    return [variable for variable in found if variable.type != "String"]
+    component, rest = names.split(name.removesuffix("@true"))
+    found = names.elements(fmus[component].description, rest) if component in fmus else []
+    return [variable for variable in found if variable.type != "String" and (array or variable.name == rest)]
 
 
 def _check_kinds(document: Document, entry: str, classes: Mapping[str, type[Kind]]) -> None:

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine import compiled, reference
-from navfmu.engine.component import Component, Variable
+from navfmu.engine.component import Component
 from navfmu.engine.library import RUNTIME
 from navfmu.engine.link import Link
 from navfmu.engine.plan import Plan, make_plan
 from navfmu.engine.recording import Recording
 from navfmu.export import toolchain
+from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.fmu import Fmu
 
 HERE = Path(__file__).parent
 
@@ -30,7 +32,7 @@ def library() -> Path:
     return path if path.exists() else toolchain.compile_shared([source], path, include=[RUNTIME])
 
 
-def _variables() -> dict[str, Variable]:
+def _variables() -> tuple[Variable, ...]:
     real = [
         ("u", "input", "continuous", None, 0.0),
         ("y", "output", "continuous", None, None),
@@ -58,42 +60,40 @@ def _variables() -> dict[str, Variable]:
         ("flag_echo", "output", "discrete", None, None),
         ("data.valid", "output", "discrete", None, None),
     ]
-    ranges = {"tau": (1e-3, None), "gain": (-10.0, 10.0)}
-    variables = {"label": Variable("label", 0, "String", "parameter", "fixed", "exact", "probe")}
+    ranges = {"tau": {"min": 1e-3}, "gain": {"min": -10.0, "max": 10.0}}
+    variables = [Variable("label", 0, "String", "parameter", "fixed", "exact", "probe")]
     for kind, rows in (("Real", real), ("Integer", integer), ("Boolean", boolean)):
-        for reference_, (name, causality, variability, initial, start) in enumerate(rows):
-            low, high = ranges.get(name, (None, None))
-            variables[name] = Variable(
-                name,
-                reference_,
-                kind,
-                causality,
-                variability,
-                initial,
-                start,
-                "1" if kind == "Real" else None,
-                low,
-                high,
-            )
-    return variables
+        for number, (name, *rest) in enumerate(rows):
+            unit = "1" if kind == "Real" else None
+            variables.append(Variable(name, number, kind, *rest, unit=unit, **ranges.get(name, {})))
+    return tuple(variables)
 
 
 VARIABLES = _variables()
 
 
-def probe(name: str, *, interpolates: bool = False, restores: bool = True, **start: Any) -> Component:
+def probe(
+    name: str,
+    *,
+    interpolates: bool = False,
+    restores: bool = True,
+    single: bool = False,
+    guid: str = "{probe}",
+    binary: Path | None = None,
+    **start: Any,
+) -> Component:
     """A component; ``start`` gives parameters and inputs."""
-    return Component(
-        name=name,
-        directory=library().parent,
-        library=library(),
-        identifier="probe",
-        guid="{probe}",
+    binary = binary or library()
+    description = Description(
+        model_name="probe",
+        guid=guid,
+        model_identifier="probe",
         variables=VARIABLES,
-        start=start,
-        interpolates=interpolates,
-        restores=restores,
+        only_one_instance=single,
+        can_get_and_set_state=restores,
+        can_interpolate_inputs=interpolates,
     )
+    return Component(name, Fmu(binary, "", binary.parent, binary, description), start)
 
 
 def ring(count: int = 6, **start: Any) -> tuple[list[Component], list[Link]]:

@@ -1,6 +1,5 @@
 """What is left of a run when an FMU ends the process."""
 
-import dataclasses
 import os
 import resource
 import signal
@@ -73,7 +72,7 @@ def test_the_place_and_the_rows_survive_the_process(tmp_path, way, call):
 def test_a_binary_that_ends_the_process_while_it_is_loaded_is_named(tmp_path):
     source, path = tmp_path / "bomb.c", tmp_path / "box"
     source.write_text("#include <stdlib.h>\n__attribute__((constructor)) static void go(void) { _Exit(0); }\n")
-    bomb = dataclasses.replace(probe("bomb"), library=toolchain.compile_shared([source], tmp_path / "bomb.so"))
+    bomb = probe("bomb", binary=toolchain.compile_shared([source], tmp_path / "bomb.so"))
     flight = make_plan([probe("good"), bomb], [], step=0.1, stop=1.0, record=["good.y"])
     child = os.fork()
     if child == 0:

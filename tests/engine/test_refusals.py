@@ -1,6 +1,5 @@
 """An FMU that refuses a call ends its run with its own words; what was recorded before is kept."""
 
-import dataclasses
 import re
 
 import numpy as np
@@ -60,7 +59,7 @@ def test_a_refusal_during_initialisation(engine):
 
 @ENGINES
 def test_an_fmu_that_cannot_be_instantiated(engine):
-    stranger = dataclasses.replace(probe("stranger"), guid="{other}")
+    stranger = probe("stranger", guid="{other}")
     with pytest.raises(RunError, match=r"component 'stranger' could not be instantiated: guid {other} is not mine"):
         engine.run(make_plan([stranger], [], step=0.1, stop=1.0))
 
@@ -68,7 +67,7 @@ def test_an_fmu_that_cannot_be_instantiated(engine):
 def test_a_binary_that_is_none_is_named(tmp_path):
     text = tmp_path / "probe.so"
     text.write_text("not a library")
-    broken = dataclasses.replace(probe("broken"), library=text)
+    broken = probe("broken", binary=text)
     with pytest.raises(NavfmuError, match=r"component 'broken': the binary .*probe.so cannot be loaded"):
         compiled.run(make_plan([broken], [], step=0.1, stop=1.0))
 
@@ -77,7 +76,7 @@ def test_a_binary_that_is_none_is_named(tmp_path):
 def test_components_are_terminated_unless_they_returned_an_error_or_never_left_initialisation(engine, monkeypatch):
     ended = []
     if engine is compiled:
-        monkeypatch.setattr(compiled.fmi2(probe("a").library), "terminate", ended.append)
+        monkeypatch.setattr(compiled.fmi2(probe("a").fmu.library), "terminate", ended.append)
     else:
         monkeypatch.setattr(FMU2Slave, "terminate", lambda slave: ended.append(slave))
     engine.run(make_plan([probe("a"), probe("b")], [], step=0.1, stop=1.0))

@@ -3,7 +3,6 @@
 The arguments are the file of the black box, how the FMU ends the process, and in which call.
 """
 
-import dataclasses
 import sys
 
 from navfmu.engine import compiled
@@ -19,7 +18,7 @@ CALLS = {"doStep": 0, "exitInitializationMode": 1, "getReal": 2, "enterInitializ
 def plan(way: str, call: str) -> Plan:
     """Two lags, the second of which ends the process: at 0.5 s, if not before."""
     if call == "instantiate":
-        bad = dataclasses.replace(probe("bad"), guid=f"{{dies}}{WAYS[way]}")
+        bad = probe("bad", guid=f"{{dies}}{WAYS[way]}")
     else:
         bad = probe("bad", fail_call=CALLS[call], fail_status=WAYS[way], fail_at=0.45 * (call == "doStep"))
     system = [probe("good", start=1.0), bad], [Link("good.y", "bad.u")]

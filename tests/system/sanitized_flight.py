@@ -9,6 +9,7 @@ from pathlib import Path
 
 from navfmu import System
 from navfmu.engine import compiled
+from navfmu.engine.component import Component
 from navfmu.engine.plan import Plan
 from navfmu.faults import Fault
 
@@ -31,11 +32,12 @@ FAULTS = [
 
 def sanitized(plan: Plan, folder: Path) -> Plan:
     """The plan with the libraries of ``folder`` in the place of the FMUs' own."""
-    parts = [
-        replace(part, component=replace(part.component, library=folder / f"{part.component.identifier}.so"))
-        for part in plan.parts
-    ]
-    return replace(plan, parts=tuple(parts))
+
+    def with_other(component: Component) -> Component:
+        library = folder / f"{component.description.model_identifier}.so"
+        return replace(component, fmu=replace(component.fmu, library=library))
+
+    return replace(plan, parts=tuple(replace(part, component=with_other(part.component)) for part in plan.parts))
 
 
 def main(package: str, engine: str, folder: str) -> None:

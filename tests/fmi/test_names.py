@@ -1,0 +1,104 @@
+"""What a name stands for."""
+
+import pytest
+
+from navfmu.errors import NavfmuError
+from navfmu.fmi import names
+from navfmu.fmi.description import Description, Variable
+
+
+def variables(*rows: str) -> tuple[Variable, ...]:
+    return tuple(Variable(name, i, kind, causality) for i, (causality, kind, name) in enumerate(map(str.split, rows)))
+
+
+IMU = Description(
+    "imu",
+    "{1}",
+    "imu",
+    variables(
+        "input Real rate[1]",
+        "input Real rate[2]",
+        "parameter Real sigma",
+        "parameter Real sigma_x",
+        "output Real reading.rate[1]",
+        "output Real reading.rate[2]",
+        "output Boolean reading.valid",
+        "output Integer reading.sequence",
+        "output String reading.text",
+        "output Real temperature",
+        "output String name",
+        "output Boolean lamp.valid",
+    ),
+)
+SYSTEM = {"imu": IMU, "spare": IMU}
+
+
+def meant(name: str) -> list[str]:
+    return [str(signal) for signal in names.signals(SYSTEM, name, f"signal '{name}'")]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("imu.temperature", ["imu.temperature"]),
+        ("imu.rate", ["imu.rate[1]", "imu.rate[2]"]),  # an input may be recorded too
+        ("imu.reading.rate", ["imu.reading.rate[1]", "imu.reading.rate[2]"]),
+        ("imu.reading.rate[2]", ["imu.reading.rate[2]"]),
+        ("imu.reading", [f"imu.reading.{n}" for n in ("rate[1]", "rate[2]", "valid", "sequence")]),  # no text
+        ("*.temperature", ["imu.temperature", "spare.temperature"]),
+        ("imu.*rate[1]", ["imu.reading.rate[1]"]),  # outputs only; brackets mean themselves
+        ("imu.sigma", ["imu.sigma"]),  # and not sigma_x
+    ],
+)
+def test_what_a_name_stands_for_in_a_system(name, expected):
+    assert meant(name) == expected
+
+
+def test_a_component_stands_for_its_outputs():
+    assert meant("imu") == meant("imu.*")
+    assert len(meant("imu")) == 6
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("im.rate", r"signal 'im\.rate': there is no component 'im'; did you mean 'imu'\?"),
+        ("gps", "there is no component 'gps'"),
+        ("imu.", "component 'imu' has no variable ''"),
+        ("imu.reading.rat", "has no variable 'reading.rat'; did you mean"),
+        ("imu.read", "has no variable 'read'"),
+        ("imu.name", "a String cannot be recorded"),
+        ("gps.*", "no output matches the pattern"),
+        ("imu.sigma*", "no output matches the pattern"),
+    ],
+)
+def test_names_of_nothing(name, sentence):
+    with pytest.raises(NavfmuError, match=sentence):
+        meant(name)
+
+
+def test_elements_are_not_members():
+    assert [v.name for v in names.elements(IMU, "rate")] == ["rate[1]", "rate[2]"]
+    assert names.elements(IMU, "reading") == []
+    assert [v.name for v in names.elements(IMU, "sigma")] == ["sigma"]
+
+
+def test_members_by_suffix():
+    assert list(names.members(IMU, "reading", {"output"}, "x"))[:2] == [".rate[1]", ".rate[2]"]
+    assert list(names.members(IMU, "rate", {"input"}, "x")) == ["[1]", "[2]"]
+    with pytest.raises(NavfmuError, match="x: 'rate' of imu is input, expected output"):
+        names.members(IMU, "rate", {"output"}, "x")
+    with pytest.raises(NavfmuError, match=r"x: imu has no variable 'readin'; did you mean 'reading'\?"):
+        names.members(IMU, "readin", {"output"}, "x")
+
+
+def test_a_bundle_has_valid_and_sequence():
+    assert names.bundles(IMU) == ["reading"]
+
+
+def test_parts_of_names():
+    assert names.split("imu.reading.rate[1]") == ("imu", "reading.rate[1]")
+    assert names.array("reading.rate[1]") == "reading.rate"
+    assert (names.bundle("reading.rate[1]"), names.bundle("rate[1]")) == ("reading", "")
+    assert names.short(["reading.rate[1]"]) == ["reading.rate[1]", "reading.rate", "reading"]
+    assert names.short(["a.b.c"]) == ["a.b.c", "a.b", "a"]
