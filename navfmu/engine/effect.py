@@ -29,7 +29,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault
 from navfmu.fmi import names
 from navfmu.fmi.description import Variable
-from navfmu.fmi.values import check_range, spread, typed
+from navfmu.fmi.values import check_range, quantity, rate, spread, typed
 
 ADD, RAMP, SET, HOLD, NOISE = range(5)
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
@@ -76,36 +76,52 @@ def effects_of(
 
 
 def _effects(fault: Fault, components: Mapping[str, Component], connected: Collection[tuple[str, str]]) -> list[Effect]:
-    name, signal = names.split(fault.target)
-    if name not in components:
-        hint = nearest(name, components)
-        raise fault.error(f"target '{fault.target}': there is no component '{name}'{hint}", "target")
-    component = components[name]
     if fault.type == "dropout":
-        return _dropout(fault, component, signal)
-    variables = names.elements(component.description, signal)
-    if not variables:
-        wanted = _targets(fault, component, connected)
-        hint = nearest(signal, names.short(v.name for v in wanted))
-        raise fault.error(f"target '{fault.target}': component '{name}' has no variable '{signal}'{hint}", "target")
-    for variable in variables:
-        _check_target(fault, component, variable, connected)
-    if fault.type == "input":
-        values = _values(fault, component, variables, "value", True if variables[0].type == "Boolean" else None)
-        return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
-    if fault.type == "parameter":
-        values = _values(fault, component, variables, "value")
-        return [Effect(fault, name, v.name, SET, a, driven=True) for v, a in zip(variables, values, strict=True)]
+        return [effect for target in fault.targets for effect in _dropout(fault, *_split(fault, target, components))]
+    elements = [element for target in fault.targets for element in _elements(fault, target, components, connected)]
+    signals = [(component.name, variable.name) for component, variable in elements]
+    for signal in signals:
+        if signals.count(signal) > 1:
+            raise fault.error(f"'target' names '{'.'.join(signal)}' twice", "target")
     if fault.type == "stuck" and "value" not in fault.parameters:
-        return [Effect(fault, name, v.name, HOLD) for v in variables]
+        return [Effect(fault, *signal, HOLD) for signal in signals]
     kind, parameter = {
         "bias": (ADD, "value"),
         "drift": (RAMP, "rate"),
         "stuck": (SET, "value"),
         "noise": (NOISE, "sigma"),
+        "input": (SET, "value"),
+        "parameter": (SET, "value"),
     }[fault.type]
-    values = _values(fault, component, variables, parameter)
-    return [Effect(fault, name, v.name, kind, a, i) for i, (v, a) in enumerate(zip(variables, values, strict=True))]
+    driven = fault.type in ("input", "parameter")
+    amounts = _amounts(fault, elements, parameter)
+    return [
+        Effect(fault, *signal, kind, amount, lane, driven)
+        for lane, (signal, amount) in enumerate(zip(signals, amounts, strict=True))
+    ]
+
+
+def _split(fault: Fault, target: str, components: Mapping[str, Component]) -> tuple[Component, str]:
+    name, signal = names.split(target)
+    if name not in components:
+        hint = nearest(name, components)
+        raise fault.error(f"target '{target}': there is no component '{name}'{hint}", "target")
+    return components[name], signal
+
+
+def _elements(
+    fault: Fault, target: str, components: Mapping[str, Component], connected: Collection[tuple[str, str]]
+) -> list[tuple[Component, Variable]]:
+    """The variables that a target stands for, which all support the fault."""
+    component, signal = _split(fault, target, components)
+    variables = names.elements(component.description, signal)
+    if not variables:
+        hint = nearest(signal, names.short(v.name for v in _targets(fault, component, connected)))
+        what = f"component '{component.name}' has no variable '{signal}'"
+        raise fault.error(f"target '{target}': {what}{hint}", "target")
+    for variable in variables:
+        _check_target(fault, component, variable, connected)
+    return [(component, variable) for variable in variables]
 
 
 def _dropout(fault: Fault, component: Component, bundle: str) -> list[Effect]:
@@ -113,7 +129,7 @@ def _dropout(fault: Fault, component: Component, bundle: str) -> list[Effect]:
     if bundle not in known:
         have = ", ".join(f"'{name}'" for name in known) or "none"
         raise fault.error(
-            f"target '{fault.target}' is not an output bundle (values with 'valid' and 'sequence')"
+            f"target '{component.name}.{bundle}' is not an output bundle (values with 'valid' and 'sequence')"
             f"{nearest(bundle, known)}; bundles of '{component.name}': {have}",
             "target",
         )
@@ -164,26 +180,26 @@ def _article(word: str) -> str:
     return f"an {word}" if word[0] in "aeiouI" else f"a {word}"
 
 
-def _values(
-    fault: Fault, component: Component, variables: list[Variable], parameter: str, default: Any = None
-) -> list[float]:
-    """A fault's parameter for each element of its target, checked against the element's type and range."""
-    value = fault.parameters.get(parameter, default)
-    if value is None:
+def _amounts(fault: Fault, elements: Sequence[tuple[Component, Variable]], parameter: str) -> list[float]:
+    """A fault's parameter for each element of its targets, in the element's unit, checked against type and range."""
+    value = fault.parameters.get(parameter)
+    if value is None and any(variable.type != "Boolean" for _, variable in elements):
         raise fault.error(f"type '{fault.type}' needs the parameter '{parameter}' for a Real or Integer target", "type")
     try:
-        values = spread(value, len(variables), f"'{parameter}'")
-        return [_value(fault, component, v, parameter, a) for v, a in zip(variables, values, strict=True)]
+        values = spread(True if value is None else value, len(elements), f"'{parameter}'")
+        return [_amount(fault, c, v, parameter, given) for (c, v), given in zip(elements, values, strict=True)]
     except NavfmuError as problem:
         raise fault.error(str(problem), parameter) from None
 
 
-def _value(fault: Fault, component: Component, variable: Variable, parameter: str, value: Any) -> float:
-    """A number in the variable's unit; what takes the place of the variable's own value may be a text with a unit."""
+def _amount(fault: Fault, component: Component, variable: Variable, parameter: str, value: Any) -> float:
     what = f"'{parameter}' = {value} for '{variable.name}'"
-    if isinstance(value, str) and fault.type in ("bias", "drift", "noise"):
-        raise NavfmuError(f"{what}: expected a number")
-    number = typed(component.description, variable, value, what)
+    if fault.type == "drift":
+        number = rate(component.description, variable, value, what)
+    elif fault.type in ("bias", "noise"):
+        number = quantity(component.description, variable, value, what, difference=True)
+    else:
+        number = typed(component.description, variable, value, what)
     if parameter == "sigma" and number < 0:
         raise NavfmuError(f"{what}: expected a number that is not negative")
     if fault.type in ("input", "parameter"):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.fmi.seconds import seconds
 
 
 @dataclass(frozen=True)
@@ -46,16 +47,21 @@ PARAMETERS = tuple(dict.fromkeys(name for kind in TYPES.values() for name in kin
 COMMON = ("id", "fmea", "target", "type", "start", "duration", "description")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Fault:
-    """A fault of one target during start <= t < start + duration (s), counted in communication points.
+    """A fault during start <= t < start + duration (s), counted in communication points.
 
-    ``target`` is "component.signal", "component.array" (all its elements) or, for a dropout, "component.bundle".
-    Parameters are in the SI unit of the target; a list gives one value for each element of an array.
+        Fault("gps_lost", "gps.jammed", "input", start=300.0)
+        Fault("icing", ["air_data.air.airspeed", "air_data.air.altitude"], "drift", start="5 min", rate=[0.1, 0.5])
+
+    A target is "component.signal", "component.array" (all its elements) or, for a dropout, "component.bundle"; several
+    targets fail together, of one cause. Times are in s or texts such as "5 min". Parameters of the type (``TYPES``) are
+    given by keyword, or as ``parameters``, in the unit of the target or as texts such as "0.5 nmi"; a list gives one
+    value for each element of all targets.
     """
 
     id: str
-    target: str
+    target: str | tuple[str, ...]
     type: str
     start: float = 0.0
     duration: float = math.inf
@@ -65,18 +71,60 @@ class Fault:
     where: str = ""  # "faults.toml, line 12", for messages
     file: str = ""  # as the command line takes it, where the fault is from one
 
-    def __post_init__(self) -> None:
-        if not self.id or not isinstance(self.id, str):
+    def __init__(
+        self,
+        id: str,
+        target: str | Sequence[str],
+        type: str,
+        start: float | str = 0.0,
+        duration: float | str = math.inf,
+        parameters: Mapping[str, Any] | None = None,
+        fmea: str = "",
+        description: str = "",
+        where: str = "",
+        file: str = "",
+        **given: Any,
+    ) -> None:
+        def keep(**values: Any) -> None:
+            for name, value in values.items():
+                object.__setattr__(self, name, value)
+
+        keep(id=id, target=target, type=type, fmea=fmea, description=description, where=where, file=file)
+        for name in given:
+            if name in (parameters or {}):
+                raise self.error(f"'{name}' is given twice", name)
+        keep(parameters={**(parameters or {}), **given})
+        if not id or not isinstance(id, str):
             raise self.error("'id' must be a text that is not empty", "id")
-        if not isinstance(self.target, str) or "." not in self.target:
-            raise self.error(f"'target' must be written component.signal, not {self.target!r}", "target")
-        if self.type not in TYPES:
+        keep(target=self._checked_target(target))
+        if type not in TYPES:
             known = ", ".join(TYPES)
-            raise self.error(f"unknown type {self.type!r}{nearest(str(self.type), TYPES)} (types: {known})", "type")
-        if not is_number(self.start) or self.start < 0 or not math.isfinite(self.start):
-            raise self.error(f"'start' must be a time in s, 0 or later, not {self.start!r}", "start")
-        if not is_number(self.duration) or not self.duration > 0:
-            raise self.error(f"'duration' must be a positive time in s, not {self.duration!r}", "duration")
+            raise self.error(f"unknown type {type!r}{nearest(str(type), TYPES)} (types: {known})", "type")
+        keep(start=self._time("start", start), duration=self._time("duration", duration))
+        if not 0 <= self.start < math.inf:
+            raise self.error(f"'start' must be a time in s, 0 or later, not {start!r}", "start")
+        if not self.duration > 0:
+            raise self.error(f"'duration' must be a positive time in s, not {duration!r}", "duration")
+        self._check_parameters()
+
+    def _checked_target(self, target: Any) -> str | tuple[str, ...]:
+        several = not isinstance(target, str) and isinstance(target, Sequence)
+        if several and not target:
+            raise self.error("'target' is an empty list", "target")
+        for number, name in enumerate(target if several else [target]):
+            if not isinstance(name, str) or "." not in name:
+                raise self.error(f"'target' must be written component.signal, not {name!r}", "target")
+            if several and name in target[:number]:
+                raise self.error(f"'target' has '{name}' twice", "target")
+        return (tuple(target) if len(target) > 1 else target[0]) if several else target
+
+    def _time(self, name: str, value: Any) -> float:
+        try:
+            return seconds(value, f"'{name}'")
+        except NavfmuError as error:
+            raise self.error(str(error), name) from None
+
+    def _check_parameters(self) -> None:
         kind = TYPES[self.type]
         allowed = kind.required + kind.optional
         for name in self.parameters:
@@ -87,17 +135,24 @@ class Fault:
         for name in kind.required:
             if name not in self.parameters:
                 raise self.error(f"type '{self.type}' needs the parameter '{name}'", "type")
-        for name in ("period",):
-            value = self.parameters.get(name)
-            if value is not None and not (is_number(value) and 0 < value < math.inf):
-                raise self.error(f"'{name}' must be a positive time in s, not {value!r}", name)
+        if "period" in self.parameters:
+            period = self._time("period", given := self.parameters["period"])
+            if not 0 < period < math.inf:
+                raise self.error(f"'period' must be a positive time in s, not {given!r}", "period")
+            self.parameters["period"] = period
         stream = self.parameters.get("stream", 0)
         if isinstance(stream, bool) or not isinstance(stream, int) or not 0 <= stream < 2**31:
             raise self.error(f"'stream' must be a whole number from 0 to 2147483647, not {stream!r}", "stream")
 
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """What it acts on, one or several."""
+        return (self.target,) if isinstance(self.target, str) else self.target
+
     def describe(self) -> dict[str, Any]:
         """The fault as plain data; what is not limited (its duration) or empty is left out."""
-        entries: dict[str, Any] = {"id": self.id, "target": self.target, "type": self.type, "start": self.start}
+        target = self.target if isinstance(self.target, str) else list(self.target)
+        entries: dict[str, Any] = {"id": self.id, "target": target, "type": self.type, "start": self.start}
         if self.duration != math.inf:
             entries["duration"] = self.duration
         for name in ("fmea", "description", "file"):

@@ -7,9 +7,10 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from navfmu.faults.fault import PARAMETERS, TYPES
-from navfmu.files.schema import Field, Number, Table
+from navfmu.files.schema import Field, Number, Table, Texts
 
 Value = Number | bool | str | list[Number | bool | str]
+Time = Number | str
 
 
 def _by_type(schema: dict[str, Any]) -> None:
@@ -33,17 +34,22 @@ class FaultEntry(Table):
     noun: ClassVar[str] = "fault"
 
     id: str = Field(description="name of the fault, unique in the file; also names its noise")
-    target: str = Field(description="component.signal, an array for all its elements, or the bundle of a dropout")
+    target: str | Texts = Field(
+        description="component.signal, an array for all its elements, or the bundle of a dropout; "
+        "a list fails together, of one cause"
+    )
     type: str = Field(
         description="; ".join(f"{kind.name} ({kind.target}): {kind.effect}" for kind in TYPES.values()),
         json_schema_extra={"enum": list(TYPES)},
     )
-    start: Number = Field(0.0, description="when it begins, s")
-    duration: Number | None = Field(None, description="how long it lasts, s; default: to the end")
-    value: Value | None = Field(None, description="value or bias in the target's unit, or one for each element")
+    start: Time = Field(0.0, description='when it begins: s, or a text such as "5 min"')
+    duration: Time | None = Field(None, description="how long it lasts; default: to the end")
+    value: Value | None = Field(
+        None, description='value or bias in the target\'s unit, or a text such as "0.5 nmi"; or one for each element'
+    )
     rate: Value | None = Field(None, description="drift in the target's unit per s, or one for each element")
     sigma: Value | None = Field(None, description="standard deviation of noise, or one for each element")
-    period: Number | None = Field(None, description="time between two new numbers of noise, s")
+    period: Time | None = Field(None, description="time between two new numbers of noise")
     stream: int | None = Field(None, description="number of the noise stream; default: made from the id")
     fmea: str = Field("", description="row of the failure modes and effects analysis")
     description: str = Field("", description="what happens, in words")

@@ -19,7 +19,7 @@ UNITS = {"s": 1.0} | {name: unit.factor for name, unit in COMMON.items() if unit
 def seconds(value: Any, what: str) -> float:
     """A time in s; ``what`` begins the sentence when it is none. A decimal time is the double nearest to it."""
     if isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value):
-        return value
+        return value if isinstance(value, int | float) else float(value)
     found = _TEXT.fullmatch(value) if isinstance(value, str) else None
     if found is None:
         raise NavfmuError(f"{what} is {value!r}, expected a time: a number of seconds, or a text such as '5 min'")

@@ -11,6 +11,7 @@ from typing import Any
 from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import group, short
+from navfmu.fmi.seconds import UNITS
 from navfmu.fmi.units import COMMON, conversion
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
@@ -122,17 +123,32 @@ def _boolean(value: Any, what: str) -> bool:
     raise NavfmuError(f"{what}: expected true or false")
 
 
-def quantity(description: Description, variable: Variable, value: Any, what: str) -> float:
-    """A number, or a text such as "0.5 nmi", in the variable's own unit; ``what`` begins the sentence if it is none."""
+def quantity(description: Description, variable: Variable, value: Any, what: str, *, difference: bool = False) -> float:
+    """A number, or a text such as "0.5 nmi", in the variable's own unit; ``what`` begins the sentence if it is none.
+
+    A ``difference`` between two values has no origin: 1 degC is then 1 K.
+    """
     if isinstance(value, str):
         match = _NUMBER.match(value)
         if match is None:
             raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
         number, unit = float(match[1]), match[2]
-        return _in_own_unit(description, variable, number, unit, what) if unit else number
+        return _in_own_unit(description, variable, number, unit, what, difference) if unit else number
     if isinstance(value, bool) or not isinstance(value, Real):
         raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
     return value if isinstance(value, int) else float(value)
+
+
+def rate(description: Description, variable: Variable, value: Any, what: str) -> float:
+    """A change of the variable in its own unit per s: a number, or a text such as "30 ft/min" or "1 deg/h/s"."""
+    match = _NUMBER.match(value) if isinstance(value, str) else None
+    if match is None or not match[2]:
+        return quantity(description, variable, value, what, difference=True)
+    unit, _, time = (part.strip() for part in match[2].rpartition("/"))
+    if time not in UNITS:
+        example = f", or a text such as '1 {variable.unit}/s'" if variable.unit not in (None, "", "1") else ""
+        raise NavfmuError(f"{what}: expected a number{example}")
+    return quantity(description, variable, f"{match[1]} {unit}", what, difference=True) / UNITS[time]
 
 
 def _with_unit(variable: Variable) -> str:
@@ -141,16 +157,18 @@ def _with_unit(variable: Variable) -> str:
     )
 
 
-def _in_own_unit(description: Description, variable: Variable, number: float, unit: str, what: str) -> float:
+def _in_own_unit(
+    description: Description, variable: Variable, number: float, unit: str, what: str, difference: bool
+) -> float:
     if unit == variable.unit:
         return number
     display = description.display_units.get(variable.unit or "", {})
     if unit in display:
         factor, offset = display[unit]
-        return (number - offset) / factor
+        return (number if difference else number - offset) / factor
     own, given = description.units.get(variable.unit or ""), description.units.get(unit) or COMMON.get(unit)
     if own is not None and own.exponents is not None and given is not None:
         factor, offset = conversion(given, own, what)
-        return factor * number + offset
+        return factor * number if difference else factor * number + offset
     known = [name for name in (variable.unit, *display) if name]
     raise NavfmuError(f"{what}: unit '{unit}' is not known here; expected {' or '.join(known) if known else 'no unit'}")

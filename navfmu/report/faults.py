@@ -14,4 +14,5 @@ def cells(fault: Mapping[str, Any]) -> list[str]:
     values = ", ".join(f"{key} = {value}" for key, value in fault.items() if key not in OWN)
     start = fault["start"]
     when = f"{start:g} to {start + fault['duration']:g}" if "duration" in fault else f"from {start:g}"
-    return [fault["id"], fault["target"], fault["type"] + (f" ({values})" if values else ""), when]
+    target = fault["target"] if isinstance(fault["target"], str) else ", ".join(fault["target"])
+    return [fault["id"], target, fault["type"] + (f" ({values})" if values else ""), when]

@@ -1,11 +1,13 @@
 """A fault file says what fails when; a mistake in it is told with its line."""
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.faults import TYPES, load_faults
+from navfmu.faults import TYPES, Fault, load_faults
 from navfmu.faults.file import parse_faults
 
 GOOD = """
@@ -67,7 +69,7 @@ def fault(**changes):
         (fault(type='"biass"'), r"f\.toml, line 4: fault 'x': unknown type 'biass'; did you mean 'bias'\?"),
         (fault(target='"y"'), r"f\.toml, line 3: fault 'x': 'target' must be written component\.signal, not 'y'"),
         (fault(start="-1"), r"f\.toml, line 6: fault 'x': 'start' must be a time in s, 0 or later, not -1"),
-        (fault(start='"now"'), "line 6: fault 'x': 'start' is 'now', expected a number"),
+        (fault(start='"now"'), "line 6: fault 'x': 'start' is 'now', expected a time: a number of seconds"),
         (fault(duration="0"), r"f\.toml, line 6: fault 'x': 'duration' must be a positive time in s, not 0"),
         (fault(duraton="1"), r"line 6: fault 'x': unknown entry 'duraton'; did you mean 'duration'\?"),
         (fault(rate="1"), r"line 6: fault 'x': type 'bias' has no parameter 'rate' \(it takes value\)"),
@@ -87,3 +89,11 @@ def test_the_table_of_types_says_what_each_acts_on_and_takes():
     for name, kind in TYPES.items():
         assert kind.name == name
         assert kind.target and kind.effect
+
+
+def test_the_documented_examples_are_fault_files():
+    text = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+    faults = parse_faults(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1], "docs/faults.md")
+    assert [(fault.id, fault.start) for fault in faults] == [("gps_lost", 300), ("gyro_bias", 600), ("icing", 900)]
+    python = eval(re.search(r"`(Fault\(.*?\))`", text)[1], {"Fault": Fault})
+    assert (python.targets, python.start) == (faults[2].targets, 900.0)
