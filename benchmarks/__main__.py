@@ -1,4 +1,4 @@
-"""All benchmarks: ``python -m benchmarks [benchmarks.json]``."""
+"""All benchmarks: ``python -m benchmarks [benchmarks.json]``; exit code 1 when a claim is missed."""
 
 from __future__ import annotations
 
@@ -12,3 +12,4 @@ contests = [benchmark.run() for benchmark in (ring, flight, imu_twin, startup)]
 show(contests)
 if len(sys.argv) > 1:
     write(contests, Path(sys.argv[1]))
+sys.exit(0 if all(claim.holds for contest in contests for claim in contest.claims) else 1)

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from navfmu.report.kind import Kind
 from navfmu.report.scene import Bound, Recorded, Scene, Window
 from navfmu.system.experiment import Experiment
 from navfmu.system.report_file import constants, units
-
-if TYPE_CHECKING:
-    pass
 
 
 def scene_of(
