@@ -7,7 +7,7 @@ stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -50,15 +50,12 @@ def bundle(name: str) -> str:
 # ---- in an FMU -------------------------------------------------------------------------------------------------------
 
 
-def group(names: Iterable[str], name: str) -> dict[str, str]:
+def group(names: Collection[str], name: str) -> dict[str, str]:
     """Which of ``names`` a name stands for, by suffix: itself (""), elements ("[1]") or members (".valid")."""
-    found = {}
-    for candidate in names:
-        if candidate == name:
-            return {"": candidate}
-        if candidate.startswith(name) and candidate[len(name)] in "[.":
-            found[candidate[len(name) :]] = candidate
-    return found
+    if name in names:
+        return {"": name}
+    found = [candidate for candidate in names if candidate.startswith((f"{name}[", f"{name}."))]
+    return {member[len(name) :]: member for member in found}
 
 
 def elements(description: Description, name: str) -> list[Variable]:

@@ -11,7 +11,9 @@ import zipfile
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from click.testing import CliRunner
 
+from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from navfmu.files import archive
 from navfmu.files.digest import content_hash
@@ -228,3 +230,17 @@ def test_a_unit_that_is_not_defined_is_named(tmp_path):
     text = fmus.describe("x", [fmus.variable("y", "output", reference=1, unit="nounit", displayUnit="deg")])
     with pytest.raises(NavfmuError, match="refers to 'nounit', which it does not define"):
         fmu.describe(fmus.write(tmp_path / "x.fmu", text))
+
+
+def test_an_enumeration_is_an_integer_for_everybody_and_info_says_what_it_is(tmp_path):
+    mode = fmus.variable("mode", "parameter", "Enumeration", 1, start="2", declaredType="Mode")
+    types = (
+        '<TypeDefinitions><SimpleType name="Mode"><Enumeration><Item name="off" value="1"/><Item name="on" value="2"/>'
+        "</Enumeration></SimpleType></TypeDefinitions><ModelVariables>"
+    )
+    file = fmus.write(tmp_path / "m.fmu", fmus.describe("m", [mode]).replace("<ModelVariables>", types))
+    for _ in range(2):  # read, and read from the cache
+        (variable,) = fmu.describe(file).variables
+        assert (variable.type, variable.start, variable.enumeration, variable.fault) == ("Integer", 2, True, False)
+    shown = CliRunner().invoke(main, ["info", str(file)])
+    assert shown.exit_code == 0 and "Enumeration" in shown.output
