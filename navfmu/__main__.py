@@ -1,5 +1,6 @@
 """``navfmu`` and ``python -m navfmu``."""
 
+import signal
 import sys
 
 
@@ -12,6 +13,8 @@ def main() -> None:
     except KeyboardInterrupt:
         print("navfmu: interrupted", file=sys.stderr)
         sys.exit(130)
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the interpreter is on its way out
 
 
 if __name__ == "__main__":

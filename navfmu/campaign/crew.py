@@ -24,6 +24,7 @@ from navfmu.errors import NavfmuError
 Progress = Callable[[int, int], None]
 _PACKAGE = Path(__file__).resolve().parents[2]
 _LOOK = 0.1  # s between looks at a run under way
+_LAST = 2.0  # s that a process has to end after its last word
 
 
 class Crew:
@@ -82,6 +83,7 @@ class Worker:
         self._answers: SimpleQueue[dict[str, Any] | None] = SimpleQueue()
         Thread(target=self._listen, daemon=True).start()
         self._ready = False
+        self._said = 0  # bytes printed before this run
 
     @property
     def alive(self) -> bool:
@@ -89,8 +91,12 @@ class Worker:
         return self._process.poll() is None
 
     def end(self) -> None:
-        """End it, whatever it does."""
-        self._process.kill()
+        """End it, whatever it does, and with it what its FMUs have started."""
+        with suppress(OSError):
+            if os.name == "nt":
+                self._process.kill()
+            else:
+                os.killpg(self._process.pid, signal.SIGKILL)  # it has a session of its own
         self._process.wait()
 
     def fly(self, run: Run, folder: Path, progress: Progress, timeout: float | None) -> None:
@@ -101,6 +107,7 @@ class Worker:
                 raise NavfmuError(f"a worker process could not start: {self._last_words() or self._ending()}")
             self._ready = "ready" in answer
         self._box.unlink(missing_ok=True)
+        self._said = self._log.stat().st_size  # what was printed before is of another run
         about = {"experiment": run.experiment.describe(), "variant": run.variant, "case": run.case.name, "key": run.key}
         self._send(about | {"folder": str(folder.resolve()), "box": str(self._box)})
         end = None if timeout is None else time.monotonic() + timeout
@@ -115,8 +122,9 @@ class Worker:
             self.end()
             return self._lost(run, folder, f"took longer than the timeout of {timeout:g} s")
         if answer is None:
-            self._process.wait()
-            return self._lost(run, folder, self._ending())
+            how = self._ending()
+            self.end()
+            return self._lost(run, folder, how)
         if "refused" in answer:
             raise NavfmuError(answer["refused"])
         if "broken" in answer:
@@ -132,6 +140,10 @@ class Worker:
             except Empty:
                 if end is not None and time.monotonic() > end:
                     raise TimeoutError from None
+                if self._process.poll() is not None:  # a process that its FMU has started may keep the line open
+                    with suppress(Empty):
+                        return self._answers.get(timeout=_LOOK)
+                    return None
 
     def _listen(self) -> None:
         for line in self._process.stdout:
@@ -145,7 +157,10 @@ class Worker:
 
     def _ending(self) -> str:
         """How the process ended, in words."""
-        code = self._process.returncode
+        try:
+            code = self._process.wait(_LAST)
+        except subprocess.TimeoutExpired:
+            return "cut the line to its campaign"
         if code < 0:
             name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
             more = {"SIGSEGV": ", a wrong access to memory", "SIGKILL": ", perhaps for lack of memory"}.get(name, "")
@@ -166,5 +181,5 @@ class Worker:
 
     def _last_words(self) -> str:
         """The last line that the process, or an FMU in it, has printed."""
-        lines = self._log.read_bytes()[-4096:].decode("utf-8", "replace").split("\n")
+        lines = self._log.read_bytes()[self._said :][-4096:].decode("utf-8", "replace").split("\n")
         return next((line.strip() for line in reversed(lines) if line.strip()), "")

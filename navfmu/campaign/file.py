@@ -67,7 +67,7 @@ class _Reader:
         if content.algorithm not in ALGORITHMS:
             have, hint = " and ".join(ALGORITHMS), nearest(content.algorithm, ALGORITHMS)
             raise error(f"unknown algorithm '{content.algorithm}'{hint} (there are {have})", "algorithm")
-        numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds else None
+        numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds is not None else None
         cases = self.cases(main)
         campaign = Campaign(
             name=self.name(self.path.stem if content.name is None else content.name),

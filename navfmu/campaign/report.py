@@ -204,7 +204,10 @@ def _case_section(result: Page, outcome: Outcome) -> None:
     """What each case does to the system."""
     rows = []
     for case in outcome.campaign.cases:
-        if not case.faults:
+        if case.parameters:
+            values = ", ".join(f"{name} = {value}" for name, value in case.parameters.items())
+            rows.append([case.name, case.description, "", "", f"parameters: {values}", ""])
+        elif not case.faults:
             rows.append([case.name, case.description, "", "", "", ""])
         rows += [[case.name, case.description, *faults.cells(fault.describe())] for fault in case.faults]
     result.heading("Cases")

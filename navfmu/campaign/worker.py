@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 import traceback
 from pathlib import Path
 from queue import SimpleQueue
@@ -27,9 +26,9 @@ from navfmu.system.system import System
 
 def main() -> None:
     """Answer requests until there are no more."""
-    out = _own_output()
+    lines, out = _own_streams()
     requests: SimpleQueue[str] = SimpleQueue()
-    Thread(target=_listen, args=(requests,), daemon=True).start()
+    Thread(target=_listen, args=(lines, requests), daemon=True).start()
     systems: dict[tuple[str, str | None], System] = {}
     say(out, {"ready": True})
     while True:
@@ -44,15 +43,18 @@ def main() -> None:
         say(out, answer)
 
 
-def _own_output() -> TextIO:
-    """Standard output for the campaign alone: FMUs print to standard error from now on."""
-    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+def _own_streams() -> tuple[TextIO, TextIO]:
+    """Standard input and output for the campaign alone: FMUs read nothing, and print to standard error, from now on."""
+    lines, out = os.fdopen(os.dup(0), encoding="utf-8"), os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
     os.dup2(2, 1)
-    return out
+    return lines, out
 
 
-def _listen(requests: SimpleQueue[str]) -> None:
-    for line in sys.stdin:
+def _listen(lines: TextIO, requests: SimpleQueue[str]) -> None:
+    for line in lines:
         requests.put(line)
     os._exit(0)
 

@@ -25,7 +25,7 @@ def system_options(command: Callable) -> Callable:
                      help="Fault file (TOML), or the name of one inside the system; may be repeated."),
         click.option("--fault", "entries", multiple=True, metavar="ENTRIES",
                      help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
-        click.option("--stop", type=float, metavar="S", help="End of the run, s."),
+        click.option("--stop", metavar="TIME", help="End of the run: seconds, or a text such as '35 min'."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
     ]  # fmt: skip
     for option in reversed(options):
@@ -36,13 +36,20 @@ def system_options(command: Callable) -> Callable:
 def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
     """The system, and the arguments of an experiment, from the options that ``run`` and ``sweep`` share."""
     from navfmu.faults import parse_fault
+    from navfmu.fmi.seconds import seconds
     from navfmu.system.system import System
 
+    for name in ("stop", "step", "record_period"):
+        if given.get(name) is not None:
+            given[name] = seconds(given[name], f"--{name.replace('_', '-')}")
     loaded = System.load(system, given.pop("variant"))
     inline = [parse_fault(text, "--fault") for text in given.pop("entries")]
     given["faults"] = [*given["faults"], *inline]
     given["parameters"] = assigned(given.pop("assignments"))
-    given["record"] = names(given.pop("signals")) or None
+    signals = given.pop("signals")
+    given["record"] = names(signals) or None
+    if signals and given["record"] is None:
+        raise NavfmuError("the names of signals are empty; leave the option out to take those of the system")
     return loaded, given
 
 

@@ -11,12 +11,12 @@ from navfmu.cli.options import load, system_options, tell
 
 @click.command("run")
 @system_options
-@click.option("--step", type=float, metavar="S", help="Communication step size, s.")
+@click.option("--step", metavar="TIME", help="Communication step size: seconds, or a text such as '10 ms'.")
 @click.option("--algorithm", default="gauss_seidel", show_default=True, metavar="A", help="gauss_seidel or jacobi.")
 @click.option("--engine", default="compiled", show_default=True, metavar="E", help="compiled or reference.")
 @click.option("--record", "signals", multiple=True, metavar="SIGNAL",
               help="Signal, array, bundle or pattern to record; may be repeated or a list with commas.")  # fmt: skip
-@click.option("--record-period", type=float, metavar="S", help="Time between recorded values, s.")
+@click.option("--record-period", metavar="TIME", help="Time between recorded values.")
 @click.option("--out", metavar="FILE", help="Write the recording to FILE.parquet or FILE.csv.")
 @click.option("--report", metavar="DIR", help="Write the recording and a report with pictures into this folder.")
 def command(system: str, out: str | None, report: str | None, **given: Any) -> None:

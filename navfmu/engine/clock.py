@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from numbers import Real
 
 from navfmu.errors import NavfmuError
+from navfmu.fmi.seconds import is_finite, short
 
 TOLERANCE = 1e-9  # relative; absorbs the rounding of decimal times written as doubles
 FOREVER = 2**62  # step number that no run reaches
@@ -35,15 +35,15 @@ class Clock:
     def of(cls, step: float, stop: float) -> Clock:
         """The clock of a run from 0 to ``stop`` (s) in steps of ``step`` (s), of which it must be a multiple."""
         for name, value in (("step", step), ("stop time", stop)):
-            if not (isinstance(value, Real) and math.isfinite(value) and value > 0):
-                raise NavfmuError(f"the {name} must be a positive number of seconds, not {value!r}")
+            if not (is_finite(value) and value > 0):
+                raise NavfmuError(f"the {name} must be a positive number of seconds, not {short(value)}")
         step, stop = float(step), float(stop)
-        short = Fraction(step).limit_denominator(1_000_000)
-        is_short = short > 0 and short.numerator < 2**20 and float(short) == step
-        numerator, denominator = (short.numerator, short.denominator) if is_short else (step, 1.0)
-        ratio = exact(stop) / (short if is_short else Fraction(step))
+        ratio_of_step = Fraction(step).limit_denominator(1_000_000)
+        is_short = 0 < ratio_of_step.numerator < 2**20 and float(ratio_of_step) == step
+        numerator, denominator = (ratio_of_step.numerator, ratio_of_step.denominator) if is_short else (step, 1.0)
+        ratio = exact(stop) / (ratio_of_step if is_short else Fraction(step))
         steps = round(ratio)
-        if steps < 1 or abs(ratio - steps) > TOLERANCE * steps:
+        if steps < 1 or abs(ratio - steps) > Fraction(TOLERANCE) * steps:
             below, above = math.floor(ratio) * step, math.ceil(ratio) * step
             near = f"{above:.9g} s" if below == 0 else f"{below:.9g} s or {above:.9g} s"
             raise NavfmuError(
@@ -74,10 +74,12 @@ class Clock:
 
     def multiple(self, period: float, what: str) -> int:
         """``period`` (s) as a whole number of steps, at least 1; ``what`` names it in the error."""
-        if not (isinstance(period, Real) and math.isfinite(period) and period > 0):
-            raise NavfmuError(f"the {what} must be a positive number of seconds, not {period!r}")
+        if not (is_finite(period) and period > 0):
+            raise NavfmuError(f"the {what} must be a positive number of seconds, not {short(period)}")
         ratio = exact(period) / self.ratio
         count = round(ratio)
-        if count < 1 or abs(ratio - count) > TOLERANCE * count:
+        if count >= 2**53:
+            raise NavfmuError(f"the {what} {period:.9g} s is too long for the step {self.step:.9g} s to be counted")
+        if count < 1 or abs(ratio - count) > count * Fraction(TOLERANCE):
             raise NavfmuError(f"the {what} {period:.9g} s is not a multiple of the step {self.step:.9g} s")
         return count

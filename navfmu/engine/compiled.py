@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from ctypes import CDLL, POINTER, byref, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
@@ -22,6 +23,7 @@ from navfmu.engine.recording import Recording, RunError, recording, refusal, war
 from navfmu.engine.structures import FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master, text
 from navfmu.errors import NavfmuError
 
+_CALLS = (c_char_p * len(NAMES))(*(name.encode() for name in NAMES))
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
 
 
@@ -35,6 +37,8 @@ def engine_library() -> CDLL:
     library.advance.argtypes = [POINTER(Master), c_int64]
     library.prepare_callbacks.argtypes = [POINTER(Callbacks), POINTER(Log)]
     library.prepare_callbacks.restype = None
+    library.watch.argtypes = [c_void_p, c_void_p, c_void_p, c_double]
+    library.watch.restype = None
     return library
 
 
@@ -119,6 +123,10 @@ class Compiled:
         self._lost: dict[str, int] = {}
         self._initialised = False
         self._library = engine_library()
+        self._terminated = False
+        self._names = (c_char_p * len(plan.parts))(*(part.component.name.encode() for part in plan.parts))
+        self._step = plan.clock.step
+        self._watches = not isinstance(memory, BlackBox)  # else another process sees who ended this one
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
@@ -145,13 +153,17 @@ class Compiled:
         """Set start values and bring every component to t = 0."""
         for number, part in enumerate(self.plan.parts):
             self._configure(number, part)
-        self._check(self._library.initialise(byref(self._master)))
+        self._watch()
+        result = self._library.initialise(byref(self._master))
+        self._check(result)
         self._initialised = True
 
     def advance(self, until: int | None = None) -> None:
         """Run to communication point ``until`` (default: the end), or to where ``interrupt`` stopped it."""
         end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
-        self._check(self._library.advance(byref(self._master), end))
+        self._watch()
+        result = self._library.advance(byref(self._master), end)
+        self._check(result)
 
     def interrupt(self) -> None:
         """Stop at the next communication point; to be called from another thread."""
@@ -168,7 +180,23 @@ class Compiled:
                 progress(self.k, steps)
             spent = time.perf_counter() - before
             chunk = max(1, chunk * 2 if spent < 0.05 else chunk // 2 if spent > 0.2 else chunk)
-        return self.recording()
+        whole = self.recording()
+        self.terminate(whole)
+        return whole
+
+    def terminate(self, whole: Recording | None = None) -> None:
+        """End the run: FMUs of other makers write now what they have collected. A refusal is one of the run."""
+        if self._terminated or not self._initialised:
+            return
+        self._terminated, refused = True, []
+        for number, fmu in enumerate(self._fmus):
+            if number not in self._refused:
+                self._at(number, "fmi2Terminate")
+                status = fmu.terminate(self._components[number].instance)
+                self._nowhere()
+                refused += [(number, status)] if status > WARNING else []
+        for number, status in refused:
+            self._refuse(number, "fmi2Terminate", status, self.plan.clock.time(self.k), whole)
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
@@ -245,11 +273,10 @@ class Compiled:
         """Terminate and free all instances. The recording stays."""
         for snapshot in list(self._snapshots):
             self.free(snapshot)
+        with suppress(RunError):
+            self.terminate()
         for number, fmu in enumerate(self._fmus):
             instance = self._components[number].instance
-            if instance and self._initialised and number not in self._refused:
-                self._at(number, "fmi2Terminate")
-                fmu.terminate(instance)  # when FMUs of other makers write what they have collected
             if instance and number not in self._fatal:
                 self._at(number, "fmi2FreeInstance")
                 fmu.free_instance(instance)
@@ -381,10 +408,19 @@ class Compiled:
     def _at(self, number: int, name: str) -> None:
         """Leave word of the call that comes now."""
         self._place.component, self._place.call = number, NAMES.index(name)
+        self._watch()
 
     def _nowhere(self) -> None:
         """Leave word that the call came back."""
         self._place.component = -1
+        self._library.watch(None, None, None, 0.0)
+
+    def _watch(self) -> None:
+        """Have it told who ends this process, if an FMU does."""
+        if self._watches:
+            self._library.watch(
+                ctypes.addressof(self._place), ctypes.addressof(self._names), ctypes.addressof(_CALLS), self._step
+            )
 
 
 def run(plan: Plan, progress: Progress | None = None, memory: Memory | BlackBox | None = None) -> Recording:

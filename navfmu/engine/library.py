@@ -21,7 +21,7 @@ SOURCE = HERE / "source"
 EXPORT = HERE.parent / "export"
 RUNTIME = EXPORT / "runtime"  # FMI headers and the noise that FMUs use
 UNITS = (
-    *(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks", "layout")),
+    *(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks", "layout", "guard")),
     RUNTIME / "noise.c",
 )
 HEADERS = (

@@ -68,7 +68,7 @@ class Reference:
         self._refused: set[int] = set()
         self._fatal: set[int] = set()
         self._lost: dict[str, int] = {}
-        self._initialised = False
+        self._initialised = self._terminated = False
         try:
             for number, part in enumerate(plan.parts):
                 self._instantiate(number, part)
@@ -118,7 +118,22 @@ class Reference:
             self.advance(self.k + 100)
             if progress is not None:
                 progress(self.k, self.plan.clock.steps)
-        return self.recording()
+        whole = self.recording()
+        self.terminate(whole)
+        return whole
+
+    def terminate(self, whole: Recording | None = None) -> None:
+        """End the run; a refusal is one of the run."""
+        if self._terminated or not self._initialised:
+            return
+        self._terminated = True
+        for number in range(len(self._fmus)):
+            if number not in self._refused:
+                try:
+                    self._call(number, "terminate")
+                except RunError as error:
+                    error.recording = whole
+                    raise
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
@@ -236,10 +251,9 @@ class Reference:
 
     def close(self) -> None:
         """Terminate and free all instances."""
+        with suppress(RunError):
+            self.terminate()
         for number, fmu in enumerate(self._fmus):
-            if fmu.component is not None and self._initialised and number not in self._refused:
-                with suppress(FMICallException):
-                    fmu.terminate()
             if fmu.component is not None and number not in self._fatal:
                 fmu.fmi2FreeInstance(fmu.component)
         self._fmus = []

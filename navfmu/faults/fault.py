@@ -10,7 +10,7 @@ from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmi.seconds import seconds
+from navfmu.fmi.seconds import seconds, short
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Fault:
             self.parameters["period"] = period
         stream = self.parameters.get("stream", 0)
         if isinstance(stream, bool) or not isinstance(stream, int) or not 0 <= stream < 2**31:
-            raise self.error(f"'stream' must be a whole number from 0 to 2147483647, not {stream!r}", "stream")
+            raise self.error(f"'stream' must be a whole number from 0 to 2147483647, not {short(stream)}", "stream")
 
     @property
     def targets(self) -> tuple[str, ...]:

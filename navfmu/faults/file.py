@@ -6,6 +6,7 @@ import dataclasses
 import math
 from pathlib import Path
 
+from navfmu.errors import NavfmuError
 from navfmu.faults.fault import Fault, FaultError
 from navfmu.files.toml import Document
 
@@ -17,8 +18,10 @@ def load_faults(path: str | Path) -> list[Fault]:
 
 def parse_fault(text: str, name: str = "fault") -> Fault:
     """The one fault of a text such as ``id = "F1", target = "gps.jammed", type = "input", start = 300``."""
-    (fault,) = parse_faults(f"fault = [{{ {text} }}]", f"{name} '{text}'")
-    return dataclasses.replace(fault, where=name)
+    found = parse_faults(f"fault = [{{ {text} }}]", f"{name} '{text}'")
+    if len(found) != 1:
+        raise NavfmuError(f"{name} '{text}': expected the entries of one fault")
+    return dataclasses.replace(found[0], where=name)
 
 
 def parse_faults(text: str, name: str = "faults") -> list[Fault]:

@@ -10,6 +10,8 @@ from navfmu.errors import NavfmuError
 
 def content_hash(path: Path) -> str:
     """SHA-256 of a file in hexadecimal; a missing or unreadable file is a sentence."""
+    if path.exists() and not path.is_file():
+        raise NavfmuError(f"{path}: is not a file that can be read to its end")
     try:
         with open(path, "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()

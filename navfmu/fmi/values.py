@@ -11,7 +11,7 @@ from typing import Any
 from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import group, short
-from navfmu.fmi.seconds import UNITS
+from navfmu.fmi.seconds import UNITS, is_finite
 from navfmu.fmi.units import COMMON, conversion
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
@@ -134,7 +134,7 @@ def quantity(description: Description, variable: Variable, value: Any, what: str
             raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
         number, unit = float(match[1]), match[2]
         return _in_own_unit(description, variable, number, unit, what, difference) if unit else number
-    if isinstance(value, bool) or not isinstance(value, Real):
+    if isinstance(value, bool) or not isinstance(value, Real) or (isinstance(value, int) and not is_finite(value)):
         raise NavfmuError(f"{what}: expected a number{_with_unit(variable)}")
     return value if isinstance(value, int) else float(value)
 

@@ -82,9 +82,7 @@ def _why_not(result: Sweep, algorithm: str, step: float) -> str:
     if worst.problem:
         reasons.append(f"{worst.signal} {worst.problem}")
     elif worst.relative > result.tolerance:
-        share = (
-            f"{100 * worst.relative:.2g} % of its range" if math.isfinite(worst.relative) else "though it is constant"
-        )
+        share = f"{percent(worst.relative)} of its range" if math.isfinite(worst.relative) else "though it is constant"
         reasons.append(f"{worst.signal} is off by {measure(worst.rms, worst.unit)} rms, {share}")
     if lost:
         before = result.lost_at(algorithm, result.steps[0])
@@ -111,9 +109,14 @@ def _apart(result: Sweep) -> list[str]:
     if signal is None or result.share_apart(signal) <= result.tolerance:
         return []
     share = result.share_apart(signal)
-    up_to = f"by up to {100 * share:.2g} % of a signal's range" if math.isfinite(share) else "in a constant signal"
+    up_to = f"by up to {percent(share)} of a signal's range" if math.isfinite(share) else "in a constant signal"
     size = measure(result.apart[signal], result.of(ALGORITHMS[0], signal)[0].unit)
     return [f"At {result.steps[0]:g} s the two algorithms differ {up_to} ({signal}, {size} rms)."]
+
+
+def percent(share: float) -> str:
+    """A share in percent: two digits, no exponent."""
+    return f"{100 * share:.0f} %" if share >= 1.0 else f"{100 * share:.2g} %"
 
 
 def measure(value: float, unit: str) -> str:

@@ -89,7 +89,8 @@ def picture(result: Sweep) -> bytes:
             if axis.get_legend_handles_labels()[0]:
                 axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
             else:
-                axis.annotate("no error above rounding", (0.5, 0.5), xycoords="axes fraction", ha="center", color=GREY)
+                told = "values that are not finite" if findings(result) else "no error above rounding"
+                axis.annotate(told, (0.5, 0.5), xycoords="axes fraction", ha="center", color=GREY)
         axes[0].set_ylabel("rms error, % of the signal's range")
         axes[0].annotate(
             "tolerance", (0.99, 100 * result.tolerance), xycoords=("axes fraction", "data"), ha="right", va="bottom",
@@ -113,6 +114,8 @@ def _drawn(result: Sweep) -> tuple[list[str], int]:
 def caption(result: Sweep) -> str:
     """What the picture shows and what it leaves out."""
     drawn, count = _drawn(result)
+    if not drawn:
+        return "No signal has an error that can be drawn."
     which = "all signals with an error" if len(drawn) == count else f"the {len(drawn)} of {count} signals that err most"
     return f"Each line is a signal, its slope is the order of the error; {which} are drawn."
 
@@ -145,7 +148,7 @@ def page(result: Sweep, image: bytes) -> Page:
                 algorithm,
                 *(row.problem or f"{row.rms:.3g}" for row in rows),
                 "-" if (order := result.order(algorithm, signal)) is None else str(order),
-                f"{result.apart[signal]:.3g}",
+                f"{result.apart[signal]:.3g}" if math.isfinite(result.apart[signal]) else "-",
             ]
             for signal in result.signals
             for algorithm in ALGORITHMS

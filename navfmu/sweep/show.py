@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from rich.console import Console
@@ -32,7 +33,7 @@ def _errors(out: Console, result: Sweep) -> None:
     rows = []
     for signal in result.signals:
         for algorithm in ALGORITHMS:
-            apart = f"{result.apart[signal]:.3g}" if algorithm == ALGORITHMS[0] else ""
+            apart = _apart(result, signal, "") if algorithm == ALGORITHMS[0] else ""
             unit = result.of(algorithm, signal)[0].unit
             rows.append([signal, unit, algorithm, *_numbers(result, signal, algorithm), apart])
     wide = Table(columns, rows, title)
@@ -42,9 +43,14 @@ def _errors(out: Console, result: Sweep) -> None:
     say(out, Text(title, style="italic"))
     for signal in result.signals:
         unit = result.of(ALGORITHMS[0], signal)[0].unit
-        say(out, f"{signal}, algorithms {measure(result.apart[signal], unit)} apart")
+        say(out, f"{signal}, algorithms {_apart(result, signal, unit)} apart")
         values = zip(headings, *(_numbers(result, signal, algorithm) for algorithm in ALGORITHMS), strict=True)
         out.print(Table([Column("step", Kind.WORD), *map(Column, ALGORITHMS)], values))
+
+
+def _apart(result: Sweep, signal: str, unit: str) -> str:
+    """How far the algorithms are apart; "-" where values are not finite."""
+    return measure(result.apart[signal], unit) if math.isfinite(result.apart[signal]) else "-"
 
 
 def _numbers(result: Sweep, signal: str, algorithm: str) -> list[str]:

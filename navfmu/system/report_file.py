@@ -129,7 +129,7 @@ def _check_kinds(document: Document, entry: str, classes: Mapping[str, type[Kind
         kind, listed = table.get("kind"), ", ".join(classes)
         if kind is None:
             raise document.error(f"this {entry} has no 'kind' (there are: {listed})", entry, number)
-        if kind not in classes:
+        if not isinstance(kind, str) or kind not in classes:
             hint = nearest(str(kind), classes)
             raise document.error(
                 f"there is no {entry} of the kind {kind!r}{hint} (there are: {listed})", entry, number, "kind"

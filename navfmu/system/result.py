@@ -38,6 +38,8 @@ def check_file(path: str | Path, *suffixes: str) -> Path:
 
 def check_folder(folder: str | Path) -> Path:
     """Refuse a folder that neither is one nor could become one."""
+    if not str(folder).strip():
+        raise NavfmuError("the name of the folder is empty")
     folder = Path(folder)
     existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
     if not existing.is_dir():
@@ -105,8 +107,10 @@ def read(path: str | Path) -> pandas.DataFrame:
             frame = frame.set_index("time") if "time" in frame.columns else frame
     except FileNotFoundError:
         raise NavfmuError(f"{path}: no such file") from None
-    except (OSError, ValueError, KeyError, pyarrow.ArrowException) as error:
-        raise NavfmuError(f"{path}: cannot be read: {error}") from None
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, pyarrow.ArrowException) as error:
+        raise NavfmuError(f"{path}: cannot be read: {' '.join(str(error).split()) or error!r}") from None
+    if not isinstance(about, dict):
+        raise NavfmuError(f"{path}: cannot be read: what it says of itself is no table")
     apart = {"units": about.pop("units", {}), "notes": about.pop("notes", [])}
     frame.attrs = apart | {"not_finite": about.pop("not_finite", {}), "provenance": about}
     return frame

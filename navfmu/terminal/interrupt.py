@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from navfmu.errors import Interrupted
 
 PATIENCE = 2.0  # s until a command that does not hear is ended from outside
+LAST = 5.0  # s until one that has heard is
 
 
 @contextmanager
@@ -21,7 +22,7 @@ def as_a_sentence() -> Iterator[None]:
         with _watched():
             yield
     except KeyboardInterrupt:
-        raise Interrupted("interrupted; nothing was written") from None
+        raise Interrupted("interrupted") from None
 
 
 @contextmanager
@@ -41,8 +42,11 @@ def _watched() -> Iterator[None]:
     def watch() -> None:
         with suppress(OSError):
             while data := os.read(reader, 1):
-                if data[0] == signal.SIGINT and not heard.wait(PATIENCE) and not over.is_set():
-                    print("navfmu: interrupted while an FMU did not return; nothing was written", file=sys.stderr)
+                if data[0] != signal.SIGINT:
+                    continue
+                heard.wait(PATIENCE)
+                if not over.wait(LAST if heard.is_set() else 0.0):  # it may wait for threads that wait for an FMU
+                    print("navfmu: interrupted while an FMU did not return", file=sys.stderr)
                     sys.stderr.flush()
                     os._exit(Interrupted.exit_code)
 

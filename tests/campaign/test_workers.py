@@ -258,3 +258,25 @@ def test_failures_are_told_as_data(wrecked):
     assert failed.keys() == set(WAYS)
     for place in failed.values():
         assert (place["component"], place["call"]) == ("probe", "fmi2DoStep") and 0.7 <= place["time"] <= 0.8
+
+
+def test_the_last_words_of_a_run_are_its_own(tmp_path):
+    """A worker that flies several runs keeps one log; a crash once quoted what an earlier run had printed."""
+    from navfmu.campaign.crew import Worker
+
+    worker = Worker(tmp_path)
+    try:
+        with open(tmp_path / "log", "ab") as log:
+            log.write(b"of an earlier run\n")
+        worker._said = (tmp_path / "log").stat().st_size
+        assert worker._last_words() == ""
+        with open(tmp_path / "log", "ab") as log:
+            log.write(b"assertion failed\n")
+        assert worker._last_words() == "assertion failed"
+    finally:
+        worker.end()
+
+
+def test_a_case_that_differs_by_parameters_says_so_in_the_report(wrecked):
+    text = (wrecked[0] / "out" / "report.html").read_text()
+    assert "parameters: probe.tau = 0.0" in text

@@ -60,7 +60,10 @@ def test_fault_file_with(name, tmp_path):
 ARGUMENTS = {
     "a step of zero": (["--step", "0"], "step must be a positive number"),
     "a negative step": (["--step", "-0.1"], "step must be a positive number"),
-    "a step that is not a number": (["--step", "fast"], "is not a valid float"),
+    "a step that is not a number": (
+        ["--step", "fast"],
+        "--step is 'fast', expected a time: a number of seconds",
+    ),
     "a stop of zero": (["--stop", "0"], "stop time must be a positive number"),
     "more steps than can be counted": (["--step", "1e-300"], "than can be counted exactly"),
     "a negative seed": (["--seed", "-1"], "the seed is -1, expected a whole number from 0 to"),
@@ -70,7 +73,7 @@ ARGUMENTS = {
     "a parameter that is not a number": (["--set", "lag.tau=nan"], "'tau' = nan s is out of range: expected a finite"),
     "an input that is connected": (["--set", "lag.u=1"], "connected to 'truth.y', so a value of its own would"),
     "an unknown fault file": (["--faults", "stukc"], "did you mean 'stuck'? (the system has: stuck)"),
-    "an infinite stop": (["--stop", "inf"], "stop time must be a positive number"),
+    "an infinite stop": (["--stop", "inf"], "--stop is 'inf', expected a time"),
     "a stop between steps": (["--stop", "1.05"], "is not a multiple of the step"),
     "an unknown variant": (["--variant", "slwo"], "did you mean 'slow'"),
     "an unknown algorithm": (["--algorithm", "seidel"], "did you mean 'gauss_seidel'"),
@@ -88,6 +91,14 @@ ARGUMENTS = {
     "a recording period between steps": (["--record-period", "0.15"], "is not a multiple of the step"),
     "a missing fault file": (["--faults", "nothing.toml"], "nothing.toml"),
     "an endless fault file": (["--faults", "/dev/zero"], "/dev/zero: is a device, expected a fault file"),
+    "a step that no double holds": (["--step", "1e-320"], "than can be counted exactly"),
+    "a recording period beyond all counting": (["--record-period", "1e300"], "is too long for the step"),
+    "a stop that cannot be counted": (["--stop", "1e400"], "expected a time that can be counted"),
+    "no name of a signal": (["--record", " , "], "the names of signals are empty"),
+    "two faults in one": (
+        ["--fault", 'id="a", target="lag.y", type="dropout" }, {id="b", target="lag.y", type="dropout"'],
+        "expected the entries of one fault",
+    ),
     "an option that does not exist": (["--stpo", "1"], "'--stop'"),
     "a format that is not known": (["--out", "a.xlsx"], "a.xlsx: cannot tell the format from the name"),
 }
@@ -97,6 +108,12 @@ ARGUMENTS = {
 def test_run_with(name):
     arguments, sentence = ARGUMENTS[name]
     refused(navfmu("run", systems.tracker(), *arguments), sentence)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="devices")
+@pytest.mark.parametrize("command", ["run", "info"])
+def test_a_system_without_an_end(command):
+    refused(navfmu(command, "/dev/zero"), "is not a file that can be read to its end")
 
 
 def test_the_version_needs_no_installation():

@@ -76,7 +76,9 @@ def test_a_binary_that_is_none_is_named(tmp_path):
 def test_components_are_terminated_unless_they_returned_an_error_or_never_left_initialisation(engine, monkeypatch):
     ended = []
     if engine is compiled:
-        monkeypatch.setattr(compiled.fmi2(probe("a").fmu.library), "terminate", ended.append)
+        monkeypatch.setattr(
+            compiled.fmi2(probe("a").fmu.library), "terminate", lambda instance: ended.append(instance) or 0
+        )
     else:
         monkeypatch.setattr(FMU2Slave, "terminate", lambda slave: ended.append(slave))
     engine.run(make_plan([probe("a"), probe("b")], [], step=0.1, stop=1.0))
