@@ -21,7 +21,7 @@ from navfmu.campaign.runs import Answer, runs_of
 from navfmu.errors import NavfmuError
 from navfmu.system.result import read
 from tests.campaign.test_campaign import contents
-from tests.campaign.wreck import ABORT, ERROR, EXIT, HANG, SEGFAULT, wreck
+from tests.campaign.wreck import ABORT, CLOSE, ERROR, EXIT, FORK, HANG, READ, SEGFAULT, wreck
 from tests.components import systems
 
 WAYS = {"crash": SEGFAULT, "exit": EXIT, "abort": ABORT, "hang": HANG, "refuse": ERROR}
@@ -280,3 +280,24 @@ def test_the_last_words_of_a_run_are_its_own(tmp_path):
 def test_a_case_that_differs_by_parameters_says_so_in_the_report(wrecked):
     text = (wrecked[0] / "out" / "report.html").read_text()
     assert "parameters: probe.tau = 0.0" in text
+
+
+@pytest.mark.skipif(os.name == "nt", reason="processes")
+def test_an_fmu_that_meddles_with_its_process_meddles_with_its_own_run_only(tmp_path):
+    """Reads what is not its own, cuts the line to the campaign, leaves a process behind that holds it."""
+    import psutil
+
+    wreck(tmp_path)
+    text = HEAD.replace("probe.fmu", "probe.fmu") + '[[case]]\nname = "good"\n'
+    for name, way in (("read", READ), ("close", CLOSE), ("fork", FORK)):
+        parameters = f'{{ "probe.fail_status" = {way}, "probe.fail_at" = 0.75 }}'
+        text += f'\n[[case]]\nname = "{name}"\nparameters = {parameters}\n'
+    (tmp_path / "meddlers.toml").write_text(text)
+    began = time.monotonic()
+    outcome = run_campaign(load_campaign(tmp_path / "meddlers.toml"), tmp_path / "out", jobs=1)
+    assert time.monotonic() - began < 60.0
+    errors = {judged.run.case.name: judged.error for judged in outcome.runs}
+    assert errors["good"] is None and errors["read"] is None
+    assert "cut the line to its campaign" in errors["close"] and "SIGSEGV" in errors["fork"]
+    left = [p for p in psutil.process_iter(["cmdline"]) if "navfmu.campaign.worker" in (p.info["cmdline"] or [])]
+    assert not [p for p in left if p.parent() is None or (p.parent().pid == 1 and time.time() - p.create_time() < 60)]

@@ -8,7 +8,7 @@ from navfmu.fmi.fmu import library_suffix, platforms
 from tests.engine.probe import library
 from tests.ssp import fmus
 
-SEGFAULT, ABORT, EXIT, HANG = 10, 11, 12, 13
+SEGFAULT, ABORT, EXIT, HANG, READ, CLOSE, FORK = range(10, 17)
 ERROR = 3
 
 

@@ -1,8 +1,14 @@
 /* A test FMU: a first-order lag y' = (u - y) / tau in one explicit step, and windows on what its master does.
    Value references of each type start at 0; see probe.py. */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#ifndef _WIN32
+#include <unistd.h>
+#endif
 
 #include "fmi2Functions.h"
 
@@ -10,7 +16,7 @@ enum { U, Y, TAU, GAIN, START, FAIL_AT, SEEN, SLOPE, TIME, SAMPLE, VALIDITY, CUR
 enum { NUMBER, ECHO, FAIL_STATUS, FAIL_CALL, SEQUENCE, INTEGERS };
 enum { FLAG, FLAG_ECHO, VALID, BOOLEANS };
 enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE };
-enum { SEGFAULT = 10, ABORT, EXIT, HANG }; /* statuses that no FMU returns: the end of the process */
+enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK }; /* statuses that no FMU returns: the end of the process */
 
 typedef struct {
     double r[REALS], du;
@@ -23,6 +29,18 @@ static void die(int way) {
     if (way == SEGFAULT) *(volatile int *)8 = 1;
     if (way == ABORT) abort();
     if (way == EXIT) exit(0);
+#ifndef _WIN32
+    if (way == READ) {
+        (void)getchar();
+        return;
+    }
+    if (way == CLOSE)
+        for (int file = 3; file < 256; file++) close(file);
+    if (way == FORK) {
+        if (fork() == 0) sleep(600);
+        *(volatile int *)8 = 1;
+    }
+#endif
     for (volatile int forever = 1; forever;) {}
 }
 
@@ -31,7 +49,10 @@ static fmi2Status trouble(Probe *p, int call, double t) {
     if (p->label[0]) /* or it says nothing */
         p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
                              "%s gave up at %g s after %d", p->label, t, 42);
-    if (p->i[FAIL_STATUS] >= SEGFAULT) die(p->i[FAIL_STATUS]);
+    if (p->i[FAIL_STATUS] >= SEGFAULT) {
+        die(p->i[FAIL_STATUS]);
+        return fmi2OK;
+    }
     return p->i[FAIL_STATUS];
 }
 
