@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from navfmu.system.system import System
 
 
+strict = click.option("--strict", is_flag=True, help="Refuse what is not as FMI and SSP have it, even if it is clear.")
+
+
 def system_options(command: Callable) -> Callable:
     """Options that say which system is run and how; shared by ``run`` and ``sweep``."""
     options = [
@@ -27,6 +30,7 @@ def system_options(command: Callable) -> Callable:
                      help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
         click.option("--stop", type=float, metavar="S", help="End of the run, s."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
+        strict,
     ]  # fmt: skip
     for option in reversed(options):
         command = option(command)
@@ -38,7 +42,7 @@ def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
     from navfmu.faults import parse_fault
     from navfmu.system.system import System
 
-    loaded = System.load(system, given.pop("variant"))
+    loaded = System.load(system, given.pop("variant"), strict=given.pop("strict"))
     inline = [parse_fault(text, "--fault") for text in given.pop("entries")]
     given["faults"] = [*given["faults"], *inline]
     given["parameters"] = assigned(given.pop("assignments"))

@@ -24,7 +24,6 @@ What happens at the communication points t_k (``Clock.time``):
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -34,7 +33,7 @@ import numpy as np
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
 from navfmu.engine.effect import EFFECT, effects_of, idle, table
-from navfmu.engine.link import Link
+from navfmu.engine.link import TYPES, Link
 from navfmu.engine.order import sort_components
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault
@@ -43,7 +42,6 @@ from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import Signal
 from navfmu.fmi.values import expand
 
-TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
 
 
@@ -240,17 +238,7 @@ def _by_name(components: Sequence[Component]) -> dict[str, Component]:
 def _wire(link: Link, system: Mapping[str, Description]) -> _Wire:
     where = f"connection {link.source} -> {link.target}"
     source, target = names.find(system, link.source, where), names.find(system, link.target, where)
-    if source.variable.causality != "output":
-        raise NavfmuError(f"{where}: '{source}' is not an output ({source.variable.causality})")
-    if target.variable.causality != "input":
-        raise NavfmuError(f"{where}: '{target}' is not an input ({target.variable.causality})")
-    kinds = source.variable.type, target.variable.type
-    if kinds[0] not in TYPES or (kinds[0] != kinds[1] and kinds != ("Integer", "Real")):
-        raise NavfmuError(f"{where}: a {kinds[0]} cannot be connected to a {kinds[1]}")
-    if link.scaled and kinds[1] != "Real":
-        raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
-    if not (math.isfinite(link.factor) and math.isfinite(link.offset)):
-        raise NavfmuError(f"{where}: factor {link.factor!r} and offset {link.offset!r} must be finite")
+    link.check(source.variable, target.variable, where)
     return source, target, link
 
 

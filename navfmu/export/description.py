@@ -184,7 +184,12 @@ def _lines(
     yield "  </LogCategories>"
     periods = [model.variables[i].start for i in clocks(model)]
     step = min(periods, default=0.01)
-    experiment = {"startTime": 0.0, "stopTime": max(10.0, 100 * max(periods, default=0.01)), "stepSize": step}
+    experiment = {
+        "startTime": 0.0,
+        "stopTime": max(10.0, 100 * max(periods, default=0.01)),
+        "tolerance": 1e-6,  # nothing inside integrates with one; hosts that want a tolerance take this
+        "stepSize": step,
+    }
     yield "  " + _tag("DefaultExperiment", experiment, closed=True)
     bundles = model.documentation.get("bundles") or {}
     if bundles:

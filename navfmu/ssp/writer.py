@@ -29,7 +29,7 @@ from navfmu.fmi.fmu import describe
 from navfmu.fmi.names import members
 from navfmu.fmi.units import BASE, Unit
 from navfmu.fmi.values import expand
-from navfmu.ssp.document import MAIN, NAMESPACES, PARAMETER_SET, RESOURCES
+from navfmu.ssp.document import MAIN, NAMESPACES, OMS, OSP, PARAMETER_SET, RESOURCES
 
 
 @dataclass
@@ -262,7 +262,7 @@ class SystemSource:
                 "ssd:SystemStructureDescription",
                 version="1.0",
                 name=f"{self.name}_{variant}" if variant else self.name,
-                **_xmlns("osp", "ssc", "ssd"),
+                **_xmlns("oms", "osp", "ssc", "ssd"),
             ),
             "  " + _open("ssd:System", name=self.name, description=special.description or self._base.description),
             "    <ssd:Elements>",
@@ -280,6 +280,8 @@ class SystemSource:
                 }  # fmt: skip
                 lines.append("      " + _open("ssd:Connection", close=True, **connection))
             lines.append("    </ssd:Connections>")
+        if step is not None:
+            lines += _simulation(step)
         lines.append("  </ssd:System>")
         lines += _unit_lines("ssd:Units", units)
         if stop_time is not None or step is not None:
@@ -403,6 +405,21 @@ def _unit_lines(element: str, units: dict[str, Unit]) -> list[str]:
     return [*lines, f"  </{element}>"]
 
 
+def _simulation(step: float) -> list[str]:
+    """The annotation of the system with which OMSimulator's command line runs it."""
+    return [
+        "    <ssd:Annotations>",
+        f'      <ssc:Annotation type="{OMS}">',
+        "        <oms:Annotations>",
+        "          <oms:SimulationInformation>",
+        "            " + _open("oms:FixedStepMaster", close=True, description="oms-ma", stepSize=repr(float(step))),
+        "          </oms:SimulationInformation>",
+        "        </oms:Annotations>",
+        "      </ssc:Annotation>",
+        "    </ssd:Annotations>",
+    ]
+
+
 def _experiment(stop_time: float | None, step: float | None) -> list[str]:
     """Start and stop time; the step stands in the annotation that libcosim reads."""
     attributes = {"startTime": "0.0"} | ({} if stop_time is None else {"stopTime": repr(float(stop_time))})
@@ -411,7 +428,7 @@ def _experiment(stop_time: float | None, step: float | None) -> list[str]:
     return [
         "  " + _open("ssd:DefaultExperiment", **attributes),
         "    <ssd:Annotations>",
-        '      <ssc:Annotation type="com.opensimulationplatform">',
+        f'      <ssc:Annotation type="{OSP}">',
         "        <osp:Algorithm>",  # libcosim takes an attribute here for the algorithm's name
         "          " + _open("osp:FixedStepAlgorithm", close=True, baseStepSize=repr(float(step))),
         "        </osp:Algorithm>",
