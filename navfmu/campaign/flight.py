@@ -10,7 +10,7 @@ from navfmu.campaign.runs import Answer, Run
 from navfmu.engine.recording import Recording, RunError
 from navfmu.files.digest import content_hash
 from navfmu.files.writing import write_file
-from navfmu.system.result import as_frame, write
+from navfmu.system.result import as_frame, other_notes, write
 
 if TYPE_CHECKING:
     import pandas
@@ -39,7 +39,7 @@ def fail(run: Run, folder: Path, error: str, place: dict[str, str | float], reco
     frame = None
     if recording is not None and len(recording.time):
         frame = as_frame(recording)
-        frame.attrs["notes"] = [*run.experiment.system.notes, *recording.warnings]
+        frame.attrs["notes"] = [*run.experiment.system.notes, *recording.notes]
         frame.attrs["provenance"] = run.experiment.provenance() | {"error": error}
     _keep(run, folder, frame, error, place)
 
@@ -58,7 +58,7 @@ def _keep(
         place=place,
         recording=None if file is None else file.name,
         sha256=None if file is None else content_hash(file),
-        notes=() if frame is None else tuple(frame.attrs["notes"]),
+        notes=() if frame is None else tuple(other_notes(frame)),
         not_finite={} if frame is None else frame.attrs["not_finite"],
     )
     write_file(run.answer(folder), answer.text())

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from navfmu.engine.plan import Plan
-from navfmu.engine.recording import Recording, recording, room, too_large
+from navfmu.engine.recording import Recording, recording, room, too_large, warned
 from navfmu.engine.structures import NAMES, Log, Place
 from navfmu.errors import NavfmuError
 
@@ -138,12 +138,14 @@ class BlackBox:
         number = self.place.component
         if not 0 <= number < len(self.plan.parts):
             return ""
-        return (self.logs[number].error or self.logs[number].warning).decode("utf-8", "replace").strip()
+        return self.logs[number].complaint()
 
     def recording(self) -> Recording | None:
         """The rows recorded so far; None before the row of t = 0."""
         count = min(max(self.place.rows, 0), self.plan.rows)
-        return recording(self.plan, self.rows[:count].copy()) if count else None
+        if not count:
+            return None
+        return recording(self.plan, self.rows[:count].copy(), warned(self.plan, self.logs, [0] * len(self.logs)))
 
 
 def steps_made(path: str | Path) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from ctypes import CDLL, POINTER, byref, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
@@ -18,8 +18,8 @@ from navfmu.engine.blackbox import BlackBox, Memory
 from navfmu.engine.effect import EFFECT
 from navfmu.engine.library import binary
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal
-from navfmu.engine.structures import FAILED, LOOP, NAMES, Callbacks, Log, Master
+from navfmu.engine.recording import Recording, RunError, recording, refusal, warned
+from navfmu.engine.structures import FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master, text
 from navfmu.errors import NavfmuError
 
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
@@ -73,6 +73,7 @@ class Fmi2:
         self.terminate = self._function("fmi2Terminate", c_void_p)
         setter = (c_void_p, c_void_p, c_size_t, c_void_p)
         self.set = {kind: self._function(f"fmi2Set{kind}", *setter) for kind in (*TYPES, "String")}
+        self.get_integer = self._function("fmi2GetInteger", *setter)
         self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
         self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
         self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
@@ -115,6 +116,7 @@ class Compiled:
         self._snapshots: list[Snapshot] = []
         self._refused: set[int] = set()  # components that returned an error: they cannot be terminated any more,
         self._fatal: set[int] = set()  # and of these, those of which nothing may be called, not even free
+        self._lost: dict[str, int] = {}
         self._initialised = False
         self._library = engine_library()
         self._master = self._make_master()
@@ -170,19 +172,30 @@ class Compiled:
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
-        return recording(self.plan, self.rows[: self._place.rows].copy(), tuple(self._warnings()))
+        warnings = warned(self.plan, self._logs, [component.warnings for component in self._components])
+        return recording(self.plan, self.rows[: self._place.rows].copy(), warnings, self._count_lost())
 
-    def _warnings(self) -> Iterator[str]:
-        for part, log, component in zip(self.plan.parts, self._logs, self._components, strict=True):
-            count = max(component.warnings, log.warnings)
-            if count:
-                yield f"component '{part.component.name}' warned {count} times, at last: {text(log.warning)}"
+    def _count_lost(self) -> dict[str, int]:
+        """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
+        for number, fmu in enumerate(self._fmus if not self._refused else ()):
+            counters = self.plan.parts[number].counters
+            if counters:
+                references = (ctypes.c_uint32 * len(counters))(*(counter.reference for counter in counters))
+                values = (c_int * len(counters))()
+                self._at(number, "fmi2GetInteger")
+                status = fmu.get_integer(self._components[number].instance, references, len(counters), values)
+                self._nowhere()
+                if status <= WARNING:
+                    name = self.plan.parts[number].component.name
+                    self._lost |= {f"{name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
+        return self._lost
 
     def _check(self, result: int) -> None:
         """Raise the sentence for a call that failed in the loop."""
         if result != FAILED:
             return
         number, call = self._place.component, NAMES[self._place.call]
+        self._refused.add(number)
         partial = self.recording() if self._initialised else None
         self._refuse(number, call, self._master.status, self.plan.clock.time(self.k), partial)
 
@@ -341,7 +354,7 @@ class Compiled:
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         self._nowhere()
         if not instance:
-            said = text(log.error) or text(log.warning) or "it gave no reason"
+            said = log.complaint() or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}")
         self._components[number].instance = instance
 
@@ -362,7 +375,7 @@ class Compiled:
         self._at(number, name)
         status = function(self._components[number].instance, *arguments)
         self._nowhere()
-        if status > 1:
+        if status > WARNING:
             self._refuse(number, name, status, self.plan.clock.time(self.k), None)
 
     def _at(self, number: int, name: str) -> None:
@@ -372,10 +385,6 @@ class Compiled:
     def _nowhere(self) -> None:
         """Leave word that the call came back."""
         self._place.component = -1
-
-
-def text(raw: bytes) -> str:
-    return raw.decode("utf-8", "replace")
 
 
 def run(plan: Plan, progress: Progress | None = None, memory: Memory | BlackBox | None = None) -> Recording:

@@ -35,13 +35,25 @@ def host() -> str:
     return next(name for name in platforms() if "-" in name)
 
 
+def sources() -> tuple[Path, ...]:
+    """The files of which the binary is made: C units, their headers, and how they are compiled."""
+    return (*UNITS, *HEADERS, EXPORT / "toolchain.py")
+
+
 @cache
 def source_hash() -> str:
-    """Twelve hexadecimal digits that name the sources and how they are compiled."""
+    """Twelve hexadecimal digits that name the sources and how they are compiled; part of the binary's name."""
     digest = hashlib.sha256()
-    for path in (*UNITS, *HEADERS, EXPORT / "toolchain.py"):
-        digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    for path in sources():
+        content = path.read_bytes().replace(b"\r\n", b"\n")
+        digest.update(f"{path.name} {len(content)} ".encode() + content)
     return digest.hexdigest()[:12]
+
+
+@cache
+def binary_hash() -> str:
+    """A hash of the binary itself: of all that determines its numbers, the version of the compiler included."""
+    return hashlib.sha256(binary().read_bytes()).hexdigest()
 
 
 @cache

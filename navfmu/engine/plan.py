@@ -82,6 +82,11 @@ class Part:
     effects: int
 
     @property
+    def counters(self) -> list[Variable]:
+        """Outputs that count lost samples; they are read once, at the end of a run."""
+        return names.counters(self.component.description)
+
+    @property
     def signals(self) -> int:
         """How many signals it has."""
         return sum(len(references) for references in self.outputs.values())

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from navfmu.engine.plan import Plan
+from navfmu.engine.structures import Log, text
 from navfmu.errors import NavfmuError
+from navfmu.fmi.names import bundle
 
 
 def room(plan: Plan) -> np.ndarray:
@@ -37,11 +41,21 @@ class Recording:
     types: tuple[str, ...]
     time: np.ndarray
     values: np.ndarray
-    warnings: tuple[str, ...] = ()  # sentences
+    notes: tuple[str, ...] = ()  # sentences: what FMUs warned of, samples lost, values that are no numbers
+    lost: Mapping[str, int] = field(default_factory=dict)  # samples that were missed, by counter: "ahrs.imu.lost"
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by name."""
         return self.values[:, self.names.index(name)]
+
+    @cached_property
+    def not_finite(self) -> dict[str, tuple[int, float]]:
+        """Signals that are NaN or infinite: at how many points, and when first (s)."""
+        wrong = ~np.isfinite(self.values)
+        return {
+            self.names[column]: (int(wrong[:, column].sum()), float(self.time[wrong[:, column].argmax()]))
+            for column in np.flatnonzero(wrong.any(axis=0))
+        }
 
 
 class RunError(NavfmuError):
@@ -64,16 +78,54 @@ def refusal(component: str, call: str, status: int, time: float, message: str) -
     return f"component '{component}': {said} ({call} returned {name} at t = {time:.9g} s)"
 
 
-def recording(plan: Plan, rows: np.ndarray, warnings: tuple[str, ...] = ()) -> Recording:
+def recording(
+    plan: Plan, rows: np.ndarray, warnings: Iterable[str] = (), lost: Mapping[str, int] | None = None
+) -> Recording:
     """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
     for number, column in enumerate(plan.recorded):
         if (column.factor, column.offset) != (1.0, 0.0):
             rows[:, number] = column.factor * rows[:, number] + column.offset
-    return Recording(
+    made = Recording(
         names=tuple(column.name for column in plan.recorded),
         units=tuple(column.unit for column in plan.recorded),
         types=tuple(column.type for column in plan.recorded),
         time=np.array([plan.clock.time(row * plan.record_every) for row in range(len(rows))]),
         values=rows,
-        warnings=warnings,
+        lost=dict(lost or {}),
     )
+    return replace(made, notes=(*warnings, *missed(made.lost, plan), *not_finite(made)))
+
+
+# ---- notes -----------------------------------------------------------------------------------------------------------
+
+
+def warned(plan: Plan, logs: Sequence[Log], counts: Sequence[int]) -> list[str]:
+    """What components warned of; ``counts`` are their calls that returned Warning, with or without a message."""
+    sentences = []
+    for part, log, returned in zip(plan.parts, logs, counts, strict=True):
+        count, said = max(returned, log.warnings), text(log.warning) or "it gave no reason"
+        if count:
+            times = "once" if count == 1 else f"{count} times, at last"
+            sentences.append(f"component '{part.component.name}' warned {times}: {said}")
+    return sentences
+
+
+def missed(lost: Mapping[str, int], plan: Plan) -> list[str]:
+    """Which samples were lost."""
+    why = "the communication step is longer than the measurement period"
+    if len(plan.effects):
+        why += ", or a fault held them back"
+    sentences = []
+    for name, count in lost.items():
+        if count:
+            many, were = ("sample", "was") if count == 1 else ("samples", "were")
+            sentences.append(f"{count} {many} of '{bundle(name)}' {were} lost ({why})")
+    return sentences
+
+
+def not_finite(recording: Recording) -> list[str]:
+    """Which signals are not finite."""
+    return [
+        f"'{name}' is not finite at {count} of {len(recording.time)} recorded points, first at t = {first:.9g} s"
+        for name, (count, first) in recording.not_finite.items()
+    ]

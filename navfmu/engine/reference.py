@@ -14,11 +14,11 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
-from navfmu.engine.compiled import engine_library, text
+from navfmu.engine.compiled import engine_library
 from navfmu.engine.injector import Injector
 from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal, room
-from navfmu.engine.structures import Callbacks, Log
+from navfmu.engine.recording import Recording, RunError, recording, refusal, room, warned
+from navfmu.engine.structures import LOOP, WARNING, Callbacks, Log, text
 from navfmu.errors import NavfmuError
 
 
@@ -33,6 +33,17 @@ class Snapshot:
     ahead: list[float]
     begin: list[list[float]]
     injectors: list[Any]
+
+
+class FMU2Counting(FMU2Slave):
+    """FMPy's instance (which wants a name like this), which also counts the calls that returned Warning."""
+
+    warnings = 0
+
+    def _call(self, fname: str, *args: Any) -> Any:
+        result = super()._call(fname, *args)
+        self.warnings += fname in LOOP.values() and result == WARNING
+        return result
 
 
 class Reference:
@@ -53,9 +64,10 @@ class Reference:
         ]
         self._driver = Injector(rows[plan.first_driven_effect :], plan.clock)
         self._logs = (Log * len(plan.parts))()
-        self._fmus: list[FMU2Slave] = []
+        self._fmus: list[FMU2Counting] = []
         self._refused: set[int] = set()
         self._fatal: set[int] = set()
+        self._lost: dict[str, int] = {}
         self._initialised = False
         try:
             for number, part in enumerate(plan.parts):
@@ -110,7 +122,19 @@ class Reference:
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
-        return recording(self.plan, self.rows[: self.k // self.plan.record_every + 1].copy())
+        rows = self.rows[: self.k // self.plan.record_every + 1].copy()
+        counts = [fmu.warnings for fmu in self._fmus] or [0] * len(self.plan.parts)
+        return recording(self.plan, rows, warned(self.plan, self._logs, counts), self._count_lost())
+
+    def _count_lost(self) -> dict[str, int]:
+        """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
+        for part, fmu in zip(self.plan.parts, self._fmus if not self._refused else (), strict=False):
+            counters = part.counters
+            if counters:
+                with suppress(FMICallException):
+                    values = fmu.getInteger([counter.reference for counter in counters])
+                    self._lost |= {f"{part.component.name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
+        return self._lost
 
     # ---- algorithms --------------------------------------------------------------------------------------------------
 
@@ -224,7 +248,7 @@ class Reference:
 
     def _instantiate(self, number: int, part: Part) -> None:
         component, log = part.component, self._logs[number]
-        fmu = FMU2Slave(
+        fmu = FMU2Counting(
             guid=component.description.guid,
             modelIdentifier=component.description.model_identifier,
             unzipDirectory=str(component.fmu.folder.resolve()),
@@ -236,7 +260,7 @@ class Reference:
         try:
             fmu.instantiate(callbacks=callbacks, loggingOn=True)
         except Exception:  # FMPy raises Exception itself
-            said = text(log.error) or text(log.warning) or "it gave no reason"
+            said = log.complaint() or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}") from None
         self._fmus.append(fmu)
 

@@ -47,6 +47,12 @@ NAMES = tuple(CALLS.values())
 #: The functions that the loop calls: the field of Component that points to each, and its name in FMI.
 LOOP = {name.lower(): function for name, function in list(CALLS.items())[: list(CALLS).index("LOAD")]}
 DONE, FAILED, INTERRUPTED = range(3)
+WARNING = 1  # the last status after which a run goes on
+
+
+def text(raw: bytes) -> str:
+    """What an FMU has written."""
+    return raw.decode("utf-8", "replace").strip()
 
 
 class Place(Structure):
@@ -69,6 +75,10 @@ class Log(Structure):
         ("errors", c_int64),
         ("warnings", c_int64),
     ]
+
+    def complaint(self) -> str:
+        """The errors, or else the last warning; empty if there is none."""
+        return text(self.error) or text(self.warning)
 
 
 class Callbacks(Structure):

@@ -88,6 +88,12 @@ def bundles(description: Description) -> list[str]:
     return sorted(bundle(name) for name in outputs if f"{bundle(name)}.sequence" in outputs and name.endswith(".valid"))
 
 
+def counters(description: Description) -> list[Variable]:
+    """The outputs in which a component counts the samples of a bundle that it has missed: "imu.lost"."""
+    outputs = description.with_causality("output")
+    return [variable for variable in outputs if variable.type == "Integer" and variable.name.endswith(".lost")]
+
+
 def short(names: Iterable[str]) -> list[str]:
     """Everything that can be written to mean some of these variables, for "did you mean"."""
     known: dict[str, None] = {}

@@ -22,6 +22,7 @@ from navfmu.sweep.compare import comparable, compare, not_real, validity
 from navfmu.sweep.result import ALGORITHMS, Sweep
 from navfmu.system.experiment import Experiment, number
 from navfmu.system.pool import Board, in_threads
+from navfmu.system.result import other_notes
 
 if TYPE_CHECKING:
     import pandas
@@ -48,8 +49,7 @@ def sweep(
         raise NavfmuError(f"the tolerance is {100 * tolerance:g} %, expected a positive number")
     period = _shared_period(ordered, experiment.stop)
     system = experiment.system
-    counters = lost_counters(system)
-    wanted = [*experiment.record, *_validities(system, experiment.record), *counters]
+    wanted = [*experiment.record, *_validities(system, experiment.record)]
     common = {"record": wanted, "record_period": period, "seed": 1 if experiment.seed is None else experiment.seed}
     runs = {
         (algorithm, step): replace(experiment, algorithm=algorithm, step=step, **common)
@@ -59,8 +59,9 @@ def sweep(
     frames = _run_all(runs, jobs, progress)
     compared, idle = comparable(frames)
     rows, apart = compare(frames, compared, ordered[0])
-    lost = {name: {key: int(frame[name].iloc[-1]) for key, frame in frames.items()} for name in counters}
-    notes = tuple(dict.fromkeys(note for frame in frames.values() for note in frame.attrs["notes"]))
+    counters = next(iter(frames.values())).attrs["lost"]
+    lost = {name: {key: frame.attrs["lost"][name] for key, frame in frames.items()} for name in counters}
+    notes = tuple(dict.fromkeys(note for frame in frames.values() for note in other_notes(frame, lost=False)))
     about = _provenance(experiment, ordered, period, tolerance, common["seed"])
     return Sweep(
         system=system.name,
@@ -90,16 +91,6 @@ def _provenance(
     if experiment.record != tuple(experiment.system.signals()):
         words += ["--signals", ",".join(experiment.record)]
     return about | {"steps": list(steps), "period": period, "tolerance": tolerance, "command": shlex.join(words)}
-
-
-def lost_counters(system: Assembly) -> list[str]:
-    """Outputs that count lost samples: ``component.bundle.lost``."""
-    return [
-        f"{name}.{variable.name}"
-        for name, fmu in system.fmus.items()
-        for variable in fmu.description.variables
-        if variable.causality == "output" and variable.type == "Integer" and variable.name.endswith(".lost")
-    ]
 
 
 def _run_all(

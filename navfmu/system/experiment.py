@@ -174,7 +174,7 @@ class Experiment:
                 with memory(plan) as box:
                     recording = compiled.run(plan, progress, box)
         frame = as_frame(recording)
-        frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.warnings]
+        frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.notes]
         frame.attrs["provenance"] = self.provenance()
         return frame
 

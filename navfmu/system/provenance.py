@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 from navfmu import __version__
-from navfmu.engine.library import source_hash
+from navfmu.engine.library import binary_hash
 
 PACKAGES = ("numpy", "pandas", "fmpy")
 ROOMS = ("errors", "files", "fmi", "ssp", "faults", "engine", "system")  # of the package: what makes a recording
@@ -34,8 +34,8 @@ def versions() -> dict[str, str]:
 
 @cache
 def package_hash() -> str:
-    """A hash of the sources that make a recording, in Python and in C: a mended engine makes its runs anew."""
-    digest = hashlib.sha256(source_hash().encode())
+    """A hash of what makes a recording, in Python and in C: a mended engine makes its runs anew."""
+    digest = hashlib.sha256(binary_hash().encode())
     for file in sorted(file for file in _PACKAGE.rglob("*.py") if _room(file) in ROOMS):
         content = file.read_bytes().replace(b"\r\n", b"\n")
         digest.update(f"{file.relative_to(_PACKAGE).as_posix()} {len(content)} ".encode() + content)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from navfmu.errors import NavfmuError
 from navfmu.files.writing import replacing, write_file
+from navfmu.fmi.names import bundle
 
 if TYPE_CHECKING:
     import pandas
@@ -49,7 +50,8 @@ def check_folder(folder: str | Path) -> Path:
 def as_frame(recording: Recording) -> pandas.DataFrame:
     """A recording with time (s) as index; Booleans and Integers in their own types.
 
-    In ``attrs``: ``units`` by signal, and ``not_finite``, at how many points a signal is NaN or infinite.
+    In ``attrs``: ``units`` by signal; ``not_finite``, at how many points a signal is NaN or infinite; ``lost``, how
+    many samples each counter says were lost.
     """
     import numpy as np
     import pandas
@@ -59,12 +61,16 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
         columns[name] = values != 0.0 if kind == "Boolean" else values.astype(np.int64) if kind == "Integer" else values
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
-    frame.attrs["not_finite"] = {
-        name: int(np.count_nonzero(~np.isfinite(values)))
-        for name, values in zip(recording.names, recording.values.T, strict=True)
-        if not np.isfinite(values).all()
-    }
+    frame.attrs["not_finite"] = {name: count for name, (count, _) in recording.not_finite.items()}
+    frame.attrs["lost"] = dict(recording.lost)
     return frame
+
+
+def other_notes(frame: pandas.DataFrame, *, lost: bool = True) -> list[str]:
+    """The notes of a run without those that ``not_finite`` tells (and ``lost``): they differ from run to run."""
+    told = [f"'{name}' is not finite at " for name in frame.attrs["not_finite"]]
+    told += [] if lost else [f" of '{bundle(name)}' w" for name in frame.attrs["lost"]]
+    return [note for note in frame.attrs["notes"] if not any(part in note for part in told)]
 
 
 def write(frame: pandas.DataFrame, path: str | Path) -> Path:

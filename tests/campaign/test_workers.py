@@ -65,6 +65,7 @@ def test_every_wreck_is_a_row_and_the_campaign_ends_with_a_report(wrecked):
     assert sorted(rows.index) == sorted(["good", "nan", *WAYS])
     assert rows.error["good"] == "" and rows.not_finite["good"] == "" and rows.held["good"] == "True"
     assert rows.not_finite["nan"] == "probe.y" and rows.held["nan"] == "False"
+    assert rows.notes["nan"] == ""  # said once
     assert "SIGSEGV" in rows.error["crash"] and "SIGABRT" in rows.error["abort"]
     assert "exit code 0" in rows.error["exit"] and "timeout of 5 s" in rows.error["hang"]
     for name in WAYS:

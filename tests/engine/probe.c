@@ -28,8 +28,9 @@ static void die(int way) {
 
 static fmi2Status trouble(Probe *p, int call, double t) {
     if (p->i[FAIL_CALL] != call || p->i[FAIL_STATUS] == 0 || t < p->r[FAIL_AT]) return fmi2OK;
-    p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
-                         "%s gave up at %g s after %d", p->label, t, 42);
+    if (p->label[0]) /* or it says nothing */
+        p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
+                             "%s gave up at %g s after %d", p->label, t, 42);
     if (p->i[FAIL_STATUS] >= SEGFAULT) die(p->i[FAIL_STATUS]);
     return p->i[FAIL_STATUS];
 }

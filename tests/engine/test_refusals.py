@@ -91,7 +91,7 @@ def test_components_are_terminated_unless_they_returned_an_error_or_never_left_i
 def test_warnings_go_on_and_are_told():
     recording = compiled.run(plan(WARN, 1))
     assert len(recording.time) == 11
-    (warning,) = recording.warnings
+    (warning,) = recording.notes
     assert warning == "component 'bad' warned 6 times, at last: sensor 100% out gave up at 1 s after 42"
 
 

@@ -1,5 +1,6 @@
 """Progress, interruption and threads."""
 
+import re
 import subprocess
 import sys
 import threading
@@ -80,6 +81,27 @@ def test_the_binary_is_named_after_its_sources(monkeypatch):
     monkeypatch.setattr(toolchain, "compile_shared", refuse)
     with pytest.raises(NavfmuError, match=r"the engine has no binary for .* and cannot be built: no compiler"):
         library.build(library.host())
+
+
+def test_the_sources_are_all_files_that_the_compiler_reads():
+    known = {path.name for path in library.sources()}
+    for unit in library.sources():
+        included = re.findall(r'^\s*#include "(.+)"', unit.read_text(), re.MULTILINE)
+        assert set(included) <= known, f"{unit.name} includes what is not hashed"
+    assert known >= {path.name for path in library.SOURCE.iterdir()}
+
+
+def test_another_compiler_with_the_same_sources_is_another_binary(monkeypatch, tmp_path):
+    hashes = []
+    for flags in ("-O2", "-O0"):  # as another version would: other code of the same sources
+        other = toolchain.compile_shared(
+            library.UNITS, tmp_path / "engine.so", include=(library.SOURCE, library.RUNTIME), flags=(flags,)
+        )
+        monkeypatch.setattr(library, "binary", lambda other=other: other)
+        library.binary_hash.cache_clear()
+        hashes.append(library.binary_hash())
+    library.binary_hash.cache_clear()
+    assert hashes[0] != hashes[1]
 
 
 def refuse(*_args, **_options):

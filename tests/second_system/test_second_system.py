@@ -150,7 +150,7 @@ def test_without_a_report_file_all_outputs_are_recorded_and_requirements_picture
     ("change", "sentence"),
     [
         (('"judge.distance"', '"judge.distnce"'),
-         "line 6: picture 'percentiles': 'judge.distnce': judge has no variable 'distnce'; did you mean 'distance'?"),
+         "line 6: picture 'percentiles': 'judge.distnce': component 'judge' has no variable 'distnce'; did you"),
         (('record = ["judge"', 'record = ["juge"'), "line 2: 'record': 'juge': there is no component 'juge'; did you"),
         (('"finder.beacon_count"', '"findr.beacon_count"'), "there is no component 'findr'; did you mean 'finder'?"),
         (('kind = "sigma"', 'kind = "sgma"'), "line 9: there is no picture of the kind 'sgma'; did you mean 'sigma'?"),

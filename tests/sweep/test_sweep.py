@@ -41,6 +41,7 @@ def test_samples_are_lost_above_their_period_and_counted(result):
     counts = result.lost["estimator.reading.lost"]
     assert counts["gauss_seidel", 0.1] == 0
     assert counts["gauss_seidel", 1.0] == 180  # of 200, one in each second remains
+    assert not any("lost" in note for note in result.notes)  # the table tells it
     assert result.recommended("gauss_seidel") == 0.1 and "No step above 0.1 s" in recommendation(result)
 
 
