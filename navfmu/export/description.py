@@ -10,6 +10,7 @@ from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir
 from navfmu.export.codegen import clocks, continuous_inputs
+from navfmu.export.graph import elements_used
 
 #: Symbols that units are made of, such as m2/s3 or kg/m3: exponents of the base units (all factors are 1).
 SYMBOLS: dict[str, dict[str, int]] = {
@@ -129,11 +130,8 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
     for task in model.tasks:
         if task.kind != "start":
             continue
-        rows, columns = task.function.jac_sparsity(0, 0).get_triplet()
-        found: list[set[int]] = [set() for _ in task.targets]
-        for row, column in zip(rows, columns, strict=True):
-            found[row] |= depends[column]
-        depends.update(zip(task.targets, found, strict=True))
+        used = elements_used(task.values, "v")
+        depends.update({i: set().union(*(depends[j] for j in of)) for i, of in zip(task.targets, used, strict=True)})
     known = {v.index for v in model.variables if v.causality in ("input", "parameter")}
     return [
         (v.index, tuple(sorted(depends[v.index] & known)))

@@ -57,10 +57,6 @@ static size_t lay_out(Instance *self, char *base) {
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
     self->rows = take(base, &size, at_least_one(model.row_values), sizeof(double));
-    self->work = take(base, &size, at_least_one(model.size_w), sizeof(double));
-    self->int_work = take(base, &size, at_least_one(model.size_iw), sizeof(long long int));
-    self->arguments = take(base, &size, at_least_one(model.size_arg) + 4, sizeof(double *));
-    self->results = take(base, &size, at_least_one(model.size_res) + 1, sizeof(double *));
     if (base) lay_out_state(self, state);
     return size;
 }
@@ -106,14 +102,8 @@ static void run(Instance *self, const Task *task, int64_t k, double time, double
         uint64_t key[2] = {(uint64_t)nearest_int(self->v[model.seed]), (uint64_t)nearest_int(self->v[model.stream])};
         standard_normals(key, (uint64_t)k, task->stream, self->noise, task->normals);
     }
-    self->clock[0] = time;
-    self->clock[1] = period;
-    self->arguments[0] = self->v;
-    self->arguments[1] = self->noise;
-    self->arguments[2] = self->clock;
-    self->arguments[3] = self->rows;
-    self->results[0] = self->result;
-    task->evaluate(self->arguments, self->results, self->int_work, self->work, 0);
+    const double clock[2] = {time, period};
+    task->evaluate(self->v, self->noise, clock, self->rows, self->result);
     for (int i = 0; i < task->target_count; i++) self->v[task->targets[i]] = self->result[i];
 }
 
@@ -271,9 +261,8 @@ static int parameters_hold(Instance *self) {
         good = 0;
     }
     for (int i = 0; i < model.check_count && good; i++) {
-        self->arguments[0] = self->v;
-        self->results[0] = self->result;
-        model.checks[i].holds(self->arguments, self->results, self->int_work, self->work, 0);
+        const double clock[2] = {0.0, 0.0};
+        model.checks[i].holds(self->v, self->noise, clock, self->rows, self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
             report_check(self, &model.checks[i]);
             good = 0;

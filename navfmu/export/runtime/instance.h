@@ -41,11 +41,7 @@ struct Instance {
     int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
 
     /* buffers of one task's run */
-    double *held, *noise, *result, *rows, *work;
-    double clock[2];
-    const double **arguments;
-    double **results;
-    long long int *int_work;
+    double *held, *noise, *result, *rows;
     void *memory;
 };
 
