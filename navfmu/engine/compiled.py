@@ -368,7 +368,9 @@ class Compiled:
                 references = (ctypes.c_uint32 * len(encoded))(*values.references.tolist())
                 self._call(number, f"fmi2Set{kind}", fmu.set[kind], references, len(encoded), array)
         stop = self.plan.clock.time(self.plan.clock.steps)
-        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, 0, 0.0, 0.0, 1, stop)
+        tolerance = part.component.description.tolerance
+        given = (0, 0.0) if tolerance is None else (1, tolerance)
+        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, *given, 0.0, 1, stop)
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:

@@ -63,6 +63,7 @@ class Description:
     max_output_derivative_order: int = 0
     stop_time: float | None = None
     step_size: float | None = None
+    tolerance: float | None = None  # of an integrator inside, if it has one
     units: Mapping[str, Unit] = field(default_factory=dict, repr=False)
     display_units: Mapping[str, Mapping[str, tuple[float, float]]] = field(  # unit, display unit: factor, offset
         default_factory=dict, repr=False

@@ -66,6 +66,7 @@ def read(path: Path) -> dict[str, Any]:
         "max_output_derivative_order": int(interface.maxOutputDerivativeOrder or 0),
         "stop_time": _float(experiment.stopTime) if experiment else None,
         "step_size": _float(experiment.stepSize) if experiment else None,
+        "tolerance": _float(experiment.tolerance) if experiment else None,
         "variables": [[*_variable(variable, where), variable.name in faults] for variable in model.modelVariables],
         "units": {unit.name: _unit(unit) for unit in model.unitDefinitions},
         "display_units": {
