@@ -281,7 +281,8 @@ class SystemSource:
                 lines.append("      " + _open("ssd:Connection", close=True, **connection))
             lines.append("    </ssd:Connections>")
         if step is not None:
-            lines += _simulation(step)
+            suggested = (self._describe(path).tolerance for path in self._components(variant).values())
+            lines += _simulation(step, min((t for t in suggested if t is not None), default=1e-6))
         lines.append("  </ssd:System>")
         lines += _unit_lines("ssd:Units", units)
         if stop_time is not None or step is not None:
@@ -405,14 +406,18 @@ def _unit_lines(element: str, units: dict[str, Unit]) -> list[str]:
     return [*lines, f"  </{element}>"]
 
 
-def _simulation(step: float) -> list[str]:
-    """The annotation of the system with which OMSimulator's command line runs it."""
+def _simulation(step: float, tolerance: float) -> list[str]:
+    """The annotation of the system with which OMSimulator's command line runs it.
+
+    Without a tolerance it would give FMUs one of 0.
+    """
+    master = {"description": "oms-ma", "stepSize": repr(float(step)), "relativeTolerance": repr(float(tolerance))}
     return [
         "    <ssd:Annotations>",
         f'      <ssc:Annotation type="{OMS}">',
         "        <oms:Annotations>",
         "          <oms:SimulationInformation>",
-        "            " + _open("oms:FixedStepMaster", close=True, description="oms-ma", stepSize=repr(float(step))),
+        "            " + _open("oms:FixedStepMaster", close=True, **master),
         "          </oms:SimulationInformation>",
         "        </oms:Annotations>",
         "      </ssc:Annotation>",

@@ -60,7 +60,7 @@ def test_a_bundle_connects_the_members_that_the_input_has(source):
 def test_the_step_is_said_as_libcosim_and_as_omsimulator_read_it(source):
     text = source.files()["SystemStructure.ssd"]
     (master,) = find(text, "ssd:System/ssd:Annotations/ssc:Annotation[@type='org.openmodelica']//oms:FixedStepMaster")
-    assert dict(master.attrib) == {"description": "oms-ma", "stepSize": "0.01"}
+    assert dict(master.attrib) == {"description": "oms-ma", "stepSize": "0.01", "relativeTolerance": "1e-06"}
     (algorithm,) = find(text, "ssd:DefaultExperiment//osp:FixedStepAlgorithm")
     assert algorithm.get("baseStepSize") == "0.01"
 
