@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Variable
+from navfmu.fmi.names import Signal
 
 TYPES = ("Real", "Integer", "Boolean")  # of values that are passed on
 
@@ -38,3 +39,6 @@ class Link:
             raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
         if not (math.isfinite(self.factor) and math.isfinite(self.offset)):
             raise NavfmuError(f"{where}: factor {self.factor!r} and offset {self.offset!r} must be finite")
+
+
+Wire = tuple[Signal, Signal, Link]  # a link between its ends: source, target

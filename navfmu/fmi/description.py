@@ -69,6 +69,8 @@ class Description:
         default_factory=dict, repr=False
     )
     enumerations: Mapping[str, Mapping[str, int]] = field(default_factory=dict, repr=False)  # type: item: value
+    #: Inputs on which an output depends while initialising; outputs that are not there depend on all of them.
+    dependencies: Mapping[str, tuple[str, ...]] = field(default_factory=dict, repr=False)
     lenient: tuple[str, ...] = field(default=(), repr=False)  # what is not as FMI has it, and was read all the same
 
     @classmethod
@@ -84,6 +86,7 @@ class Description:
             unit: {name: (factor, offset) for name, (factor, offset) in entries.items()}
             for unit, entries in content["display_units"].items()
         }
+        values["dependencies"] = {name: tuple(inputs) for name, inputs in content["dependencies"].items()}
         values["lenient"] = tuple(content["lenient"])
         return cls(**values)
 
@@ -102,6 +105,12 @@ class Description:
     def items(self, variable: Variable) -> Mapping[str, int]:
         """The values of an enumeration by their names; empty for other variables."""
         return self.enumerations.get(variable.enumeration or "", {})
+
+    def initial_inputs(self, output: Variable) -> tuple[str, ...]:
+        """The inputs on which an output depends while initialising: all of them where the FMU does not say."""
+        if output.initial == "exact" or output.variability == "constant":
+            return ()
+        return self.dependencies.get(output.name, tuple(v.name for v in self.with_causality("input")))
 
     def with_causality(self, *causalities: str) -> list[Variable]:
         """The variables of these causalities."""

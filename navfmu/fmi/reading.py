@@ -10,7 +10,7 @@ import importlib.util
 import io
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +78,7 @@ def read(path: Path) -> dict[str, Any]:
             for kind in model.typeDefinitions
             if kind.type == "Enumeration"
         },
+        "dependencies": _dependencies(model),
         "lenient": lenient,
     }
 
@@ -123,6 +124,34 @@ def _problems(model: Any, where: str) -> Iterator[str]:
     twice = next((name for name, count in names.items() if count > 1), None)
     if twice is not None:
         raise NavfmuError(f"{where}: two variables are named '{twice}'")
+
+
+def _dependencies(model: Any) -> dict[str, list[str]]:
+    """The inputs on which outputs depend while initialising, of those outputs for which ModelStructure says it.
+
+    What it says of the outputs of a step holds for those that are not initial unknowns. A dependency on another
+    unknown is one on the inputs of that.
+    """
+    said = {u.variable.name: u.dependencies for u in (*model.outputs, *model.initialUnknowns)}
+    behind = {name: _inputs_behind(name, said) for name in (u.variable.name for u in model.outputs)}
+    return {name: inputs for name, inputs in behind.items() if inputs is not None}
+
+
+def _inputs_behind(name: str, said: Mapping[str, list[Any] | None]) -> list[str] | None:
+    """The inputs behind an unknown; None where one on the way does not say on what it depends."""
+    inputs: dict[str, None] = {}  # a set that keeps its order
+    met, left = {name}, [name]
+    while left:
+        dependencies = said[left.pop()]
+        if dependencies is None:
+            return None
+        for variable in dependencies:
+            if variable.causality == "input":
+                inputs[variable.name] = None
+            elif variable.name in said and variable.name not in met:
+                met.add(variable.name)
+                left.append(variable.name)
+    return list(inputs)
 
 
 def _alike(problems: Iterable[str]) -> list[str]:
