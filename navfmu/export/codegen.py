@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir
+from navfmu.export import ir, life
 from navfmu.export.graph import c_function, c_number
 
 #: The vectors that a task's function reads, in order.
@@ -89,7 +89,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
             for v in model.variables
         ),
     )
-    yield from _array("unsigned char", "model_access", (_access(v) for v in model.variables))
+    yield from _array("unsigned short", "model_access", (_access(v) for v in model.variables))
     inputs = continuous_inputs(model)
     yield from _array("int", "model_inputs", inputs)
     slots = {index: slot for slot, index in enumerate(inputs)}
@@ -97,7 +97,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield from _array("int", "model_clocks", periods)
     for i, task in enumerate(model.tasks):
         yield from _array("int", f"targets_{i}", task.targets)
-    yield from _array("Task", "model_tasks", (_task(i, task, periods) for i, task in enumerate(model.tasks)))
+        yield from _array("int", f"wholes_{i}", _wholes(model, task))
+    yield from _array("Task", "model_tasks", (_task(model, i, periods) for i in range(len(model.tasks))))
     messages = []
     for i, check in enumerate(model.checks):
         message, values = _message(check)
@@ -132,7 +133,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "input_slot": "model_input_slot",
         "seed": -1 if model.seed is None else model.seed,
         "stream": -1 if model.stream is None else model.stream,
-        "has_calculated": int(any(v.initial == "calculated" and v.causality == "output" for v in model.variables)),
+        "has_calculated": int(any(v.initial == "calculated" for v in model.variables)),
         "most_normals": most(task.normals for task in model.tasks),
         "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),
         "row_values": sum(2 * len(table.columns) for table in model.tables),
@@ -142,7 +143,13 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield "};"
 
 
-def _task(i: int, task: ir.Task, periods: list[int]) -> str:
+def _wholes(model: ir.Model, task: ir.Task) -> list[int]:
+    """Return which of a task's results are Integers."""
+    return [place for place, index in enumerate(task.targets) if model.variables[index].type == "Integer"]
+
+
+def _task(model: ir.Model, i: int, periods: list[int]) -> str:
+    task = model.tasks[i]
     kind = {"start": "ON_START", "every": "ON_CLOCK", "on_new": "ON_NEW"}[task.kind]
     clock = 0 if task.period is None else periods.index(task.period)
 
@@ -152,19 +159,16 @@ def _task(i: int, task: ir.Task, periods: list[int]) -> str:
     return (
         f"{{{_text(task.name)}, {kind}, task_{i}, {task.normals}, UINT64_C({task.stream}), {clock}, "
         f"{place(task.sequence)}, {place(task.time_of_validity)}, {place(task.lost)}, "
-        f"{len(task.targets)}, targets_{i}}}"
+        f"{len(task.targets)}, targets_{i}, {len(_wholes(model, task))}, wholes_{i}}}"
     )
 
 
 def _access(variable: ir.Variable) -> str:
-    """Return the type and when the variable may be set, as section 4.2.4 of FMI 2.0 says."""
-    bits = [variable.type.upper()]
-    if variable.causality == "input":
-        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION", "SET_STEP"]
-    elif variable.initial == "exact" and variable.causality != "local":
-        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION"]
-        if variable.causality == "parameter" and variable.variability == "tunable":
-            bits += ["SET_STEP", "TUNABLE"]
+    """Return the type and the states in which the variable may be set."""
+    states = life.settable(variable.causality, variable.variability, variable.initial)
+    bits = [variable.type.upper(), *(state.name for state in life.State if state in states)]
+    if variable.causality == "parameter" and life.State.STEPPING in states:
+        bits.append("TUNABLE")
     return " | ".join(bits)
 
 

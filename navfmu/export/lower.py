@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
 import sys
 import traceback
@@ -16,6 +15,7 @@ from navfmu.export import ir, trace
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node
+from navfmu.export.interpreter import variables
 from navfmu.export.layout import Field, Layout
 from navfmu.export.place import is_foreign
 from navfmu.export.table import Table
@@ -163,10 +163,6 @@ def lower(component: type[Component]) -> ir.Model:
     with trace.tracing():
         tasks = tuple(_task(layout, task) for task in layout.tasks)
         checks = tuple(_checks(layout))
-    calculated = {i for task in tasks if task.kind == "start" for i in task.targets}
-    variables = tuple(
-        dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables
-    )
     tables = tuple(
         ir.Table(
             name=table.name,
@@ -179,7 +175,7 @@ def lower(component: type[Component]) -> ir.Model:
     return ir.Model(
         name=layout.name,
         description=layout.description,
-        variables=variables,
+        variables=variables(component),
         tasks=tasks,
         checks=checks,
         tables=tables,

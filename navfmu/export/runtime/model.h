@@ -4,16 +4,11 @@
 
 #include <stdint.h>
 
-/* Every variable of any type is one double in the vector v; its value reference is its index there. */
-enum {
-    REAL = 1,
-    INTEGER = 2,
-    BOOLEAN = 4,
-    SET_INSTANTIATED = 8,    /* may be set before initialisation, */
-    SET_INITIALIZATION = 16, /* in initialisation mode, */
-    SET_STEP = 32,           /* and between steps */
-    TUNABLE = 64             /* a parameter that changes between steps: its range is checked when it is set */
-};
+#include "life.h"
+
+/* Every variable of any type is one double in the vector v; its value reference is its index there.
+   These are the types; further bits of a variable's access are the phases (life.h) in which it may be set. */
+enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, TYPES = 7, TUNABLE = 256 /* its range is checked when it is set */ };
 
 typedef struct {
     const char *name;
@@ -41,6 +36,8 @@ typedef struct {
     int lost;         /* and of the count of lost samples (or -1) */
     int target_count;
     const int *targets;
+    int whole_count;  /* those of its results that are Integers, */
+    const int *wholes;
 } Task;
 
 /* A requirement on parameters: it sets r[0] to what is not 0, else the message with each "{}" replaced by a value. */
@@ -61,7 +58,7 @@ typedef struct {
     const char *identifier;
     const char *guid;
     int variable_count;
-    const unsigned char *access; /* bits of the enumeration above, one byte for each variable */
+    const unsigned short *access; /* of each variable: the bits above */
     const Variable *variables;
     int task_count;
     const Task *tasks;
@@ -75,7 +72,7 @@ typedef struct {
     const int *inputs;
     const int *input_slot;       /* for each variable: its place among them, or -1 */
     int seed, stream;            /* index in v of the parameters that key the noise, or -1 */
-    int has_calculated;          /* some output is calculated in initialisation mode */
+    int has_calculated;          /* some variable is calculated in initialisation mode */
     int most_normals, most_targets, row_values; /* sizes of what the functions read and write */
 } Model;
 
