@@ -28,7 +28,7 @@ build: $(READY)
 	@$(BIN)/python build_fmus.py
 
 $(READY): pyproject.toml
-	@echo "Setting up $(VENV): about 340 MB to load and 1.5 GB on disk (a compiler for five platforms), once"
+	@echo "Setting up $(VENV): about 250 MB to load and 1.2 GB on disk (a compiler for five platforms), once"
 	@$(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install --disable-pip-version-check -e ".[test]"
 	@touch $@

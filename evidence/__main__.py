@@ -16,15 +16,16 @@ from navfmu.files.writing import write_file
 from navfmu.report.page import Page
 from navfmu.system.result import check_folder
 
-SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "speed")
+SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "public_fmus", "speed")
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--out", default="results/evidence", show_default=True, help="Folder of runs and report.")
 def main(names: tuple[str, ...], out: str) -> None:
-    """Show what the project claims: headline, step_sizes, closure, real_flights, speed; all, or those NAMEd.
+    """Show what the project claims: all of it, or the sections NAMEd.
 
+    There are headline, step_sizes, closure, real_flights, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

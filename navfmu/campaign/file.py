@@ -43,15 +43,18 @@ from navfmu.system import shipped
 from navfmu.system.system import System
 
 
-def load_campaign(path: str | Path, seeds: str | None = None) -> Campaign:
-    """Read a campaign file and load its systems; ``seeds`` replaces those of the file ("1-100")."""
+def load_campaign(path: str | Path, seeds: str | None = None, *, strict: bool = False) -> Campaign:
+    """Read a campaign file and load its systems; ``seeds`` replaces those of the file ("1-100").
+
+    ``strict`` refuses systems and FMUs that are not as SSP and FMI have it.
+    """
     document = Document.read(path, "campaign file")
-    return _Reader(Path(path), document, validated(document, CampaignFile)).read(seeds)
+    return _Reader(Path(path), document, validated(document, CampaignFile), strict).read(seeds)
 
 
 class _Reader:
-    def __init__(self, path: Path, document: Document, content: CampaignFile) -> None:
-        self.path, self.document, self.content = path, document, content
+    def __init__(self, path: Path, document: Document, content: CampaignFile, strict: bool) -> None:
+        self.path, self.document, self.content, self.strict = path, document, content, strict
 
     def read(self, seeds: str | None) -> Campaign:
         content, error = self.content, self.document.error
@@ -140,7 +143,7 @@ class _Reader:
             if name not in known:
                 hint = f"{nearest(name, known)} (it has: {', '.join(known)})"
                 raise self.document.error(f"the system has no variant '{name}'{hint}", "variants", number)
-        return {name: System.load(system, None if name == MAIN else name) for name in names}
+        return {name: System.load(system, None if name == MAIN else name, strict=self.strict) for name in names}
 
     def cases(self, system: System) -> tuple[Case, ...]:
         if self.content.case is None:

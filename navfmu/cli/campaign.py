@@ -13,7 +13,10 @@ import click
 @click.option("--out", metavar="DIR", help="Folder of results and report; default: results/NAME.")
 @click.option("--seeds", metavar="1-8", help="Use these seeds instead of those in the file.")
 @click.option(
-    "--strict", is_flag=True, help="Exit with code 1 unless every run ended well and every requirement holds."
+    "--strict",
+    is_flag=True,
+    help="Exit with code 1 unless every run ended well and every requirement holds, and "
+    "refuse what is not as FMI and SSP have it, even if it is clear.",
 )
 @click.option("--timeout", type=float, metavar="S", help="A run that takes longer has failed, s.")
 @click.option("--retry-failed", is_flag=True, help="Run those again that failed.")
@@ -35,7 +38,7 @@ def command(
     from navfmu.system.result import check_folder
     from navfmu.terminal.progress import Progress
 
-    plan = load_campaign(file, seeds)
+    plan = load_campaign(file, seeds, strict=strict)
     folder = check_folder(out if out is not None else f"results/{plan.name}")
     with Progress(plan.name) as progress:
         outcome = run_campaign(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,9 +10,10 @@ import click
 from rich.console import Console
 from rich.text import Text
 
+from navfmu.cli import options
 from navfmu.errors import NavfmuError
 from navfmu.fmi import names
-from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.description import Description, Variable, refuse_lenient
 from navfmu.fmi.fmu import binaries, describe, platforms
 from navfmu.ssp import reader
 from navfmu.system import shipped
@@ -26,26 +28,29 @@ if TYPE_CHECKING:
 @click.command("info")
 @click.argument("file")
 @click.option("--variant", metavar="V", help="A sibling of the main system.")
-def command(file: str, variant: str | None) -> None:
+@options.strict
+def command(file: str, variant: str | None, strict: bool) -> None:
     """Show what an FMU or a system consists of."""
-    show(file, variant)
+    show(file, variant, strict)
 
 
-def show(file: str, variant: str | None = None) -> None:
+def show(file: str, variant: str | None = None, strict: bool = False) -> None:
     """Describe an FMU or a system."""
     path = shipped.system(file)
     if path.suffix.lower() == ".fmu":
         if variant is not None:
             raise NavfmuError(f"{path}: a single FMU has no variants")
-        _show_fmu(path)
+        _show_fmu(path, strict)
     else:
         from navfmu.system.system import System
 
-        _show_system(System.load(path, variant), path)
+        _show_system(System.load(path, variant, strict=strict), path)
 
 
-def _show_fmu(path: Path) -> None:
+def _show_fmu(path: Path, strict: bool) -> None:
     about, out = describe(path), console()
+    if strict:
+        refuse_lenient(str(path), about.lenient)
     has = binaries(path)
     here = "yes" if any(name in has for name in platforms()) else "NO"
     say(out, Text.assemble((about.model_name, "bold"), f"  {about.description}"))
@@ -73,6 +78,7 @@ def _show_fmu(path: Path) -> None:
     ):
         if chosen:
             out.print(_variables(chosen, about, f"{len(chosen)} {title}"))
+    _list(out, "read leniently", about.lenient)
 
 
 def _line(out: Console, name: str, text: str) -> None:
@@ -135,11 +141,17 @@ def _show_system(system: System, path: Path) -> None:
     out.print(Table([*columns, Column("description", Kind.SENTENCE)], rows, f"{len(system.fmus)} components", keys=1))
     _show_connections(out, system)
     _show_free_inputs(out, system)
-    for title, lines in (("notes", structure.notes), ("has no effect here", structure.ignored)):
-        if lines:
-            say(out, Text(title, style="bold"))
-        for line in lines:
-            say(out, line, indent=2)
+    _list(out, "notes", structure.notes)
+    _list(out, "has no effect here", structure.ignored)
+    _list(out, "read leniently", system.lenient)
+
+
+def _list(out: Console, title: str, lines: Sequence[str]) -> None:
+    """Sentences under a title; nothing if there are none."""
+    if lines:
+        say(out, Text(title, style="bold"))
+    for line in lines:
+        say(out, line, indent=2)
 
 
 def _show_attachments(out: Console, folder: Path) -> None:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from navfmu.system.system import System
 
 
+strict = click.option("--strict", is_flag=True, help="Refuse what is not as FMI and SSP have it, even if it is clear.")
+
+
 def system_options(command: Callable) -> Callable:
     """Options that say which system is run and how; shared by ``run`` and ``sweep``."""
     options = [
@@ -27,6 +30,7 @@ def system_options(command: Callable) -> Callable:
                      help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
         click.option("--stop", metavar="TIME", help="End of the run: seconds, or a text such as '35 min'."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
+        strict,
     ]  # fmt: skip
     for option in reversed(options):
         command = option(command)
@@ -42,7 +46,7 @@ def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
     for name in ("stop", "step", "record_period"):
         if given.get(name) is not None:
             given[name] = seconds(given[name], f"--{name.replace('_', '-')}")
-    loaded = System.load(system, given.pop("variant"))
+    loaded = System.load(system, given.pop("variant"), strict=given.pop("strict"))
     inline = [parse_fault(text, "--fault") for text in given.pop("entries")]
     given["faults"] = [*given["faults"], *inline]
     given["parameters"] = assigned(given.pop("assignments"))

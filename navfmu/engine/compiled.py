@@ -14,13 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.engine import structures
+from navfmu.engine import single, structures
 from navfmu.engine.blackbox import BlackBox, Memory
 from navfmu.engine.effect import EFFECT
+from navfmu.engine.initial import MOVE
+from navfmu.engine.inputs import Inputs
 from navfmu.engine.library import binary
-from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal, warned
-from navfmu.engine.structures import FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master, text
+from navfmu.engine.link import TYPES
+from navfmu.engine.plan import Part, Plan
+from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, warned
+from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master, text
 from navfmu.errors import NavfmuError
 
 _CALLS = (c_char_p * len(NAMES))(*(name.encode() for name in NAMES))
@@ -81,7 +84,7 @@ class Fmi2:
         self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
         self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
         self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
-        self.addresses = {field: ctypes.cast(self._function(name), c_void_p).value for field, name in LOOP.items()}
+        self.addresses = {field: self._address(name) for field, name in LOOP.items()}
 
     def _function(self, name: str, *arguments: Any, result: Any = c_int) -> Any:
         try:
@@ -90,6 +93,11 @@ class Fmi2:
             raise NavfmuError(f"the binary {self.path} has no function {name}") from None
         function.argtypes, function.restype = arguments, result
         return function
+
+    def _address(self, name: str) -> int | None:
+        if name in ASKED and not hasattr(self.library, name):
+            return None
+        return ctypes.cast(self._function(name), c_void_p).value
 
 
 @dataclass(eq=False)
@@ -127,6 +135,9 @@ class Compiled:
         self._names = (c_char_p * len(plan.parts))(*(part.component.name.encode() for part in plan.parts))
         self._step = plan.clock.step
         self._watches = not isinstance(memory, BlackBox)  # else another process sees who ended this one
+        self._disturbed = np.zeros(len(plan.signals), bool)  # whether a component's signals have faults
+        for part in plan.parts:
+            self._disturbed[part.first_signal : part.first_signal + part.signals] = part.effects > 0
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
@@ -180,6 +191,8 @@ class Compiled:
                 progress(self.k, steps)
             spent = time.perf_counter() - before
             chunk = max(1, chunk * 2 if spent < 0.05 else chunk // 2 if spent > 0.2 else chunk)
+        if progress is not None and self._master.ended >= 0:
+            progress(steps, steps)  # there is nothing more to come
         whole = self.recording()
         self.terminate(whole)
         return whole
@@ -200,8 +213,9 @@ class Compiled:
 
     def recording(self) -> Recording:
         """What has been recorded so far."""
-        warnings = warned(self.plan, self._logs, [component.warnings for component in self._components])
-        return recording(self.plan, self.rows[: self._place.rows].copy(), warnings, self._count_lost())
+        notes = ended(self.plan, self._master.ended, self.k, self._master.last)
+        notes += warned(self.plan, self._logs, [component.warnings for component in self._components])
+        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, self._count_lost())
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -225,15 +239,20 @@ class Compiled:
         number, call = self._place.component, NAMES[self._place.call]
         self._refused.add(number)
         partial = self.recording() if self._initialised else None
-        self._refuse(number, call, self._master.status, self.plan.clock.time(self.k), partial)
+        status, more = self._master.status, ""
+        if status == DISCARD and call == LOOP["do_step"]:
+            more = got_to(self._master.last)
+        self._refuse(number, call, status, self.plan.clock.time(self.k), partial, more)
 
-    def _refuse(self, number: int, call: str, status: int, when: float, partial: Recording | None) -> None:
+    def _refuse(
+        self, number: int, call: str, status: int, when: float, partial: Recording | None, more: str = ""
+    ) -> None:
         self._refused.add(number)
         if status == 4:
             self._fatal.add(number)
         name = self.plan.parts[number].component.name
         sentence = refusal(name, call, status, when, text(self._logs[number].error))
-        raise RunError(sentence, partial, component=name, call=call, time=when)
+        raise RunError(sentence + more, partial, component=name, call=call, time=when)
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
@@ -244,6 +263,7 @@ class Compiled:
                 raise NavfmuError(f"component '{part.component.name}' cannot save its state (canGetAndSetFMUstate)")
         snapshot = Snapshot(self.k, [], [array.copy() for array in self._memory])
         self._snapshots.append(snapshot)
+        self._may_go_back()
         for number, fmu in enumerate(self._fmus):
             state = c_void_p()
             self._call(number, "fmi2GetFMUstate", fmu.get_state, byref(state))
@@ -259,6 +279,8 @@ class Compiled:
         for array, saved in zip(self._memory, snapshot.memory, strict=True):
             array[...] = saved
         self._place.k, self._place.rows = snapshot.k, snapshot.k // self.plan.record_every + 1
+        if self._master.ended >= 0:
+            self._master.ended, self._master.interrupt = -1, 0
 
     def free(self, snapshot: Snapshot) -> None:
         """Release the memory of a snapshot."""
@@ -268,6 +290,12 @@ class Compiled:
                 self._at(number, "fmi2FreeFMUstate")
                 fmu.free_state(self._components[number].instance, byref(state))
         self._nowhere()
+        self._may_go_back()
+
+    def _may_go_back(self) -> None:
+        """Steps tell FMUs whether a state before their beginning may be set again: while a snapshot is held."""
+        for component in self._components:
+            component.never_back = int(not self._snapshots)
 
     def close(self) -> None:
         """Terminate and free all instances. The recording stays."""
@@ -280,6 +308,7 @@ class Compiled:
             if instance and number not in self._fatal:
                 self._at(number, "fmi2FreeInstance")
                 fmu.free_instance(instance)
+                single.give_back(self.plan.parts[number].component)
             self._components[number].instance = None
         self._nowhere()
         self._fmus = []
@@ -305,6 +334,8 @@ class Compiled:
             place=ctypes.addressof(self._place),
             component=ctypes.addressof(self._components),
             order=self._keep(np.array(plan.order), np.int32),
+            move=self._keep(plan.initial, MOVE),
+            moves=len(plan.initial),
             effect=self._keep(plan.effects.copy(), EFFECT, changes=True),
             signal=self._keep(signal.reshape(-1), np.float64, changes=True),
             components=len(plan.parts),
@@ -321,6 +352,7 @@ class Compiled:
             step=plan.clock.step,
             numerator=plan.clock.numerator,
             denominator=plan.clock.denominator,
+            ended=-1,
         )
 
     def _inputs(self, group: Inputs) -> structures.Inputs:
@@ -328,7 +360,7 @@ class Compiled:
             count=len(group.names),
             scaled=int(group.scaled),
             references=self._keep(group.references, np.uint32),
-            source=self._keep(group.source, np.int32),
+            source=self._keep(np.where(group.ahead, self._ahead(group.source), group.source), np.int32),
             factor=self._keep(group.factor, np.float64),
             offset=self._keep(group.offset, np.float64),
         )
@@ -343,7 +375,7 @@ class Compiled:
         self._fmus.append(fmu)
         for name, address in fmu.addresses.items():
             setattr(to, name, address)
-        to.never_back = int(not part.component.restores)
+        to.never_back = 1
         to.smooth, to.real, to.integer, to.boolean = map(
             self._inputs, (part.smooth, part.real, part.integer, part.boolean)
         )
@@ -365,11 +397,7 @@ class Compiled:
 
     def _ahead(self, source: np.ndarray) -> np.ndarray:
         """Where to find the value at the end of a step: components without faults have it where it always is."""
-        disturbed = np.zeros(len(self.plan.signals), bool)
-        for part in self.plan.parts:
-            if part.effects:
-                disturbed[part.first_signal : part.first_signal + part.signals] = True
-        return np.where(disturbed[source], source + 2 * len(self.plan.signals), source)
+        return np.where(self._disturbed[source], source + 2 * len(self.plan.signals), source)
 
     def _instantiate(self, number: int, part: Part) -> None:
         component, fmu = part.component, self._fmus[number]
@@ -377,10 +405,12 @@ class Compiled:
         self._library.prepare_callbacks(byref(callbacks), byref(log))
         resources = resource_uri(component.fmu.folder).encode()
         texts = (component.name.encode(), 1, component.description.guid.encode(), resources)  # 1: co-simulation
+        single.take(component)
         self._at(number, "fmi2Instantiate")
         instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         self._nowhere()
         if not instance:
+            single.give_back(component)
             said = log.complaint() or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}")
         self._components[number].instance = instance
@@ -395,7 +425,9 @@ class Compiled:
                 references = (ctypes.c_uint32 * len(encoded))(*values.references.tolist())
                 self._call(number, f"fmi2Set{kind}", fmu.set[kind], references, len(encoded), array)
         stop = self.plan.clock.time(self.plan.clock.steps)
-        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, 0, 0.0, 0.0, 1, stop)
+        tolerance = part.component.description.tolerance
+        given = (0, 0.0) if tolerance is None else (1, tolerance)
+        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, *given, 0.0, 1, stop)
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:

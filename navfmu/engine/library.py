@@ -25,7 +25,7 @@ UNITS = (
     RUNTIME / "noise.c",
 )
 HEADERS = (
-    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects")),
+    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects", "initial")),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )
 

@@ -6,8 +6,8 @@ signals, which no FMU computes: the values of unconnected inputs and tunable par
 
 What happens at the communication points t_k (``Clock.time``):
 
-* t = 0: start values are set; all outputs are read once (start values, for cycles); then, in order, each component gets
-  its inputs, leaves initialisation, and its outputs are read, with the faults active at t = 0.
+* t = 0: start values are set, all components enter initialisation; then the ``initial`` moves are made, with the
+  faults active at t = 0 (``navfmu/engine/initial.py``).
 * **Jacobi**: all components get their inputs as of t_k, then all make the step to t_{k+1}.
 * **Gauss-Seidel**: one after the other, in ``order``, each gets its inputs and makes the step. From a component that
   has already made it (every connection, except those that were cut), a discrete input (bundle, Integer, Boolean) is the
@@ -16,15 +16,14 @@ What happens at the communication points t_k (``Clock.time``):
   (u(t_{k+1}) - u(t_k)) / h. At an FMU that cannot interpolate it is u(t_{k+1}) over the whole step, which is exact for
   components that sample at the end of a step. Over a cut connection everything is held at t_k, as in Jacobi.
 * **Faults** change a value as it leaves at t_k, first <= k < end. Over the step after t_k the fault of t_k stays in
-  force: the slope of a smooth input is taken from the true value at t_{k+1} with the fault active at t_k still acting
-  on it (bias kept, drift continued, noise held), so that a fault begins and ends at a communication point as a step and
-  not as a ramp that leads up to it. Driven signals are held from t_k to t_{k+1}.
+  force: u(t_{k+1}) of a continuous input, with a slope or without, is the true value at t_{k+1} with the fault active
+  at t_k still acting on it (bias kept, drift continued, noise held), so that a fault begins and ends at a communication
+  point as a step, not one step earlier and not as a ramp. Driven signals are held from t_k to t_{k+1}.
 * Each value set, doStep and value read returns a status: OK and Warning go on, everything else ends the run.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -34,8 +33,10 @@ import numpy as np
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
 from navfmu.engine.effect import EFFECT, effects_of, idle, table
-from navfmu.engine.link import Link
-from navfmu.engine.order import sort_components
+from navfmu.engine.initial import initial_moves
+from navfmu.engine.inputs import Inputs, inputs_of
+from navfmu.engine.link import TYPES, Link, Wire
+from navfmu.engine.order import sort
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault
 from navfmu.fmi import names
@@ -43,7 +44,6 @@ from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import Signal
 from navfmu.fmi.values import expand
 
-TYPES = ("Real", "Integer", "Boolean")
 ALGORITHMS = ("jacobi", "gauss_seidel")
 
 
@@ -54,18 +54,6 @@ class Settings:
     names: tuple[str, ...]
     references: np.ndarray  # uint32
     values: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """Inputs of one group: input i is ``factor[i] * signal[source[i]] + offset[i]``."""
-
-    names: tuple[str, ...]
-    references: np.ndarray  # uint32
-    source: np.ndarray  # int32, signals
-    factor: np.ndarray  # float64
-    offset: np.ndarray  # float64
-    scaled: bool  # whether any of them is not a plain copy
 
 
 @dataclass(frozen=True)
@@ -112,7 +100,8 @@ class Plan:
     """Everything a run needs."""
 
     parts: tuple[Part, ...]  # in the order of the system description
-    order: tuple[int, ...]  # in which parts initialise and, in Gauss-Seidel, step
+    order: tuple[int, ...]  # in which parts step, in Gauss-Seidel
+    initial: np.ndarray  # MOVE: how the values of t = 0 come about
     algorithm: str
     clock: Clock
     signals: tuple[str, ...]  # names, "component.variable"
@@ -174,7 +163,7 @@ def make_plan(
     columns = _columns(record, system)
 
     index = {component.name: i for i, component in enumerate(components)}
-    order, cut_edges = sort_components(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
+    order, cut_edges = sort(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
     cut_names = {(components[a].name, components[b].name) for a, b in cut_edges}
     cut = [(s, t) for s, t, _ in wires if (s.component, t.component) in cut_names]
 
@@ -197,9 +186,10 @@ def make_plan(
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     useless = idle(ordered, effect_table, clock, undisturbed)
 
+    initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect = [], 0
     for component in components:
-        groups = _groups(component, wires, driven, slots, algorithm, set(cut))
+        groups = inputs_of(component, wires, driven, slots, algorithm, set(cut))
         count = sum(e.component == component.name and not e.driven for e in ordered)
         references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
         first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
@@ -209,6 +199,7 @@ def make_plan(
     return Plan(
         parts=tuple(parts),
         order=tuple(order),
+        initial=initial,
         algorithm=algorithm,
         clock=clock,
         signals=tuple(f"{c}.{v}" for c, v in signals),
@@ -218,11 +209,8 @@ def make_plan(
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
         idle=useless,
-        notes=tuple(_notes(cut, algorithm, useless)),
+        notes=(*loops, *_notes(cut, algorithm, useless)),
     )
-
-
-_Wire = tuple[Signal, Signal, Link]  # a link and its ends
 
 
 def _by_name(components: Sequence[Component]) -> dict[str, Component]:
@@ -242,24 +230,14 @@ def _by_name(components: Sequence[Component]) -> dict[str, Component]:
     return by_name
 
 
-def _wire(link: Link, system: Mapping[str, Description]) -> _Wire:
+def _wire(link: Link, system: Mapping[str, Description]) -> Wire:
     where = f"connection {link.source} -> {link.target}"
     source, target = names.find(system, link.source, where), names.find(system, link.target, where)
-    if source.variable.causality != "output":
-        raise NavfmuError(f"{where}: '{source}' is not an output ({source.variable.causality})")
-    if target.variable.causality != "input":
-        raise NavfmuError(f"{where}: '{target}' is not an input ({target.variable.causality})")
-    kinds = source.variable.type, target.variable.type
-    if kinds[0] not in TYPES or (kinds[0] != kinds[1] and kinds != ("Integer", "Real")):
-        raise NavfmuError(f"{where}: a {kinds[0]} cannot be connected to a {kinds[1]}")
-    if link.scaled and kinds[1] != "Real":
-        raise NavfmuError(f"{where}: only Real values can be scaled, not {kinds[1]}")
-    if not (math.isfinite(link.factor) and math.isfinite(link.offset)):
-        raise NavfmuError(f"{where}: factor {link.factor!r} and offset {link.offset!r} must be finite")
+    link.check(source.variable, target.variable, where)
     return source, target, link
 
 
-def _connected(wires: Sequence[_Wire]) -> dict[tuple[str, str], tuple[Signal, Link]]:
+def _connected(wires: Sequence[Wire]) -> dict[tuple[str, str], tuple[Signal, Link]]:
     """For each connected input its source."""
     connected: dict[tuple[str, str], tuple[Signal, Link]] = {}
     for source, target, link in wires:
@@ -267,46 +245,6 @@ def _connected(wires: Sequence[_Wire]) -> dict[tuple[str, str], tuple[Signal, Li
             raise NavfmuError(f"input '{target}' has two sources: '{connected[target.key][0]}' and '{source}'")
         connected[target.key] = source, link
     return connected
-
-
-def _groups(
-    component: Component,
-    wires: Sequence[_Wire],
-    driven: Mapping[tuple[str, str], None],
-    slots: Mapping[tuple[str, str], int],
-    algorithm: str,
-    cut: set[tuple[Signal, Signal]],
-) -> tuple[Inputs, Inputs, Inputs, Inputs]:
-    """The inputs of a component: smooth, held Real, Integer, Boolean."""
-    groups: dict[str, list[tuple[Variable, int, float, float]]] = {"smooth": [], **{t: [] for t in TYPES}}
-    for source, target, link in wires:
-        if target.component != component.name:
-            continue
-        smooth = (
-            algorithm == "gauss_seidel"
-            and component.description.can_interpolate_inputs
-            and target.variable.type == source.variable.type == "Real"
-            and target.variable.variability == source.variable.variability == "continuous"
-            and (source, target) not in cut
-        )
-        group = "smooth" if smooth else target.variable.type
-        groups[group].append((target.variable, slots[source.key], link.factor, link.offset))
-    for name, variable in driven:
-        if name == component.name:
-            target_variable = component.description.by_name[variable]
-            groups[target_variable.type].append((target_variable, slots[name, variable], 1.0, 0.0))
-    return tuple(_inputs(rows) for rows in groups.values())  # type: ignore[return-value]
-
-
-def _inputs(rows: list[tuple[Variable, int, float, float]]) -> Inputs:
-    return Inputs(
-        tuple(v.name for v, *_ in rows),
-        np.array([v.reference for v, *_ in rows], np.uint32),
-        np.array([source for _, source, _, _ in rows], np.int32),
-        np.array([factor for _, _, factor, _ in rows], np.float64),
-        np.array([offset for _, _, _, offset in rows], np.float64),
-        any((factor, offset) != (1.0, 0.0) for _, _, factor, offset in rows),
-    )
 
 
 def _settings(component: Component, start: Mapping[str, Any]) -> dict[str, Settings]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -76,6 +77,21 @@ def refusal(component: str, call: str, status: int, time: float, message: str) -
     if name == "Pending":
         said = "asynchronous steps are not supported"
     return f"component '{component}': {said} ({call} returned {name} at t = {time:.9g} s)"
+
+
+def got_to(last: float) -> str:
+    """How far a step got that was discarded, as the FMU says (s; NaN: it does not say)."""
+    return "" if math.isnan(last) else f"; it got as far as t = {last:.9g} s"
+
+
+def ended(plan: Plan, component: int, k: int, last: float) -> list[str]:
+    """The sentence for a component that wanted no more after communication point ``k``; -1: there is none."""
+    if component < 0 or k == plan.clock.steps:
+        return []
+    when = plan.clock.time(k) if math.isnan(last) else last
+    stop = plan.clock.time(plan.clock.steps)
+    name = plan.parts[component].component.name
+    return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s"]
 
 
 def recording(

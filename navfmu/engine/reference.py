@@ -6,19 +6,35 @@ faults. It shares the plan with it, and the C function that formats an FMU's mes
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from ctypes import byref
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
+import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
+from navfmu.engine import single
 from navfmu.engine.compiled import engine_library
+from navfmu.engine.initial import GIVE, LEAVE, READ
 from navfmu.engine.injector import Injector
-from navfmu.engine.plan import TYPES, Inputs, Part, Plan
-from navfmu.engine.recording import Recording, RunError, recording, refusal, room, warned
-from navfmu.engine.structures import LOOP, WARNING, Callbacks, Log, text
+from navfmu.engine.inputs import Inputs
+from navfmu.engine.link import TYPES
+from navfmu.engine.plan import Part, Plan
+from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, room, warned
+from navfmu.engine.structures import (
+    ASKED,
+    DISCARD,
+    LAST_SUCCESSFUL_TIME,
+    LOOP,
+    TERMINATED,
+    WARNING,
+    Callbacks,
+    Log,
+    text,
+)
 from navfmu.errors import NavfmuError
 
 
@@ -42,8 +58,12 @@ class FMU2Counting(FMU2Slave):
 
     def _call(self, fname: str, *args: Any) -> Any:
         result = super()._call(fname, *args)
-        self.warnings += fname in LOOP.values() and result == WARNING
+        self.warnings += fname in LOOP.values() and fname not in ASKED and result == WARNING
         return result
+
+
+class _Ended(Exception):
+    """An FMU wants to end the run and has not made the step."""
 
 
 class Reference:
@@ -69,6 +89,8 @@ class Reference:
         self._fatal: set[int] = set()
         self._lost: dict[str, int] = {}
         self._initialised = self._terminated = False
+        self._ended, self._last = -1, math.nan  # the component that has ended the run; how far a discarded step got (s)
+        self._snapshots = 0  # that are held
         try:
             for number, part in enumerate(plan.parts):
                 self._instantiate(number, part)
@@ -87,17 +109,8 @@ class Reference:
         for number, part in enumerate(self.plan.parts):
             self._configure(number, part)
         self._drive(0)
-        for number, part in enumerate(self.plan.parts):
-            for slot, value in self._outputs(number, part).items():
-                self.values[slot] = self.truth[slot] = value  # start values, for cycles
-        for number in self.plan.order:
-            part = self.plan.parts[number]
-            self._begin_smooth(number, part)
-            if part.smooth.names:
-                self._call(number, "setReal", part.smooth.references.tolist(), self.begin[number])
-            self._set_held(number, part)
-            self._call(number, "exitInitializationMode")
-            self._read_outputs(number, part, 0)
+        for move in self.plan.initial:
+            {READ: self._read, GIVE: self._give, LEAVE: self._leave}[int(move["kind"])](move)
         self._record()
         self._initialised = True
 
@@ -105,8 +118,11 @@ class Reference:
         """Run to communication point ``until`` (default: the end)."""
         end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
         step = {"jacobi": self._jacobi, "gauss_seidel": self._gauss_seidel}[self.plan.algorithm]
-        while self.k < end:
-            step(self.plan.clock.time(self.k))
+        while self.k < end and self._ended < 0:
+            try:
+                step(self.plan.clock.time(self.k))
+            except _Ended:
+                return
             self.k += 1
             self._drive(self.k)
             self._record()
@@ -114,10 +130,11 @@ class Reference:
     def run(self, progress: Any = None) -> Recording:
         """Initialise and run to the end."""
         self.initialise()
-        while self.k < self.plan.clock.steps:
+        steps = self.plan.clock.steps
+        while self.k < steps and self._ended < 0:
             self.advance(self.k + 100)
             if progress is not None:
-                progress(self.k, self.plan.clock.steps)
+                progress(self.k if self._ended < 0 else steps, steps)
         whole = self.recording()
         self.terminate(whole)
         return whole
@@ -139,7 +156,8 @@ class Reference:
         """What has been recorded so far."""
         rows = self.rows[: self.k // self.plan.record_every + 1].copy()
         counts = [fmu.warnings for fmu in self._fmus] or [0] * len(self.plan.parts)
-        return recording(self.plan, rows, warned(self.plan, self._logs, counts), self._count_lost())
+        notes = ended(self.plan, self._ended, self.k, self._last) + warned(self.plan, self._logs, counts)
+        return recording(self.plan, rows, notes, self._count_lost())
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -151,13 +169,41 @@ class Reference:
                     self._lost |= {f"{part.component.name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
         return self._lost
 
+    # ---- initial values ----------------------------------------------------------------------------------------------
+
+    def _read(self, move: np.void) -> None:
+        """One output, in initialisation mode."""
+        number, kind = int(move["component"]), TYPES[move["type"]]
+        (value,) = self._call(number, f"get{kind}", [int(move["reference"])])
+        part = self.plan.parts[number]
+        truth = {slot: self.truth[slot] for slot in range(part.first_signal, part.first_signal + part.signals)}
+        self._send(number, truth | {int(move["slot"]): _number(kind, value)}, 0)
+
+    def _give(self, move: np.void) -> None:
+        """One input, in initialisation mode."""
+        value, kind = self.values[move["slot"]], TYPES[move["type"]]
+        if (move["factor"], move["offset"]) != (1.0, 0.0):
+            value = float(move["factor"]) * value + float(move["offset"])
+        self._call(int(move["component"]), f"set{kind}", [int(move["reference"])], [_typed(kind, value)])
+
+    def _leave(self, move: np.void) -> None:
+        """The end of a component's initialisation, with all its inputs and outputs."""
+        number = int(move["component"])
+        part = self.plan.parts[number]
+        self._begin_smooth(number, part)
+        if part.smooth.names:
+            self._call(number, "setReal", part.smooth.references.tolist(), self.begin[number])
+        self._set_held(number, part)
+        self._call(number, "exitInitializationMode")
+        self._read_outputs(number, part, 0)
+
     # ---- algorithms --------------------------------------------------------------------------------------------------
 
     def _jacobi(self, t: float) -> None:
         for number, part in enumerate(self.plan.parts):
             self._set_held(number, part)
         for number, part in enumerate(self.plan.parts):
-            self._make_step(number, part, t)
+            self._make_step(number, t)
             self._read_outputs(number, part, self.k + 1)
 
     def _gauss_seidel(self, t: float) -> None:
@@ -165,20 +211,17 @@ class Reference:
             part = self.plan.parts[number]
             self._set_smooth(number, part)
             self._set_held(number, part)
-            self._make_step(number, part, t)
+            self._make_step(number, t)
             self._read_outputs(number, part, self.k + 1)
 
     # ---- one component -----------------------------------------------------------------------------------------------
 
     def _set_held(self, number: int, part: Part) -> None:
-        if part.real.names:
-            self._call(number, "setReal", part.real.references.tolist(), _inputs(part.real, self.values))
-        if part.integer.names:
-            values = [int(value) for value in _inputs(part.integer, self.values)]
-            self._call(number, "setInteger", part.integer.references.tolist(), values)
-        if part.boolean.names:
-            values = [int(value != 0.0) for value in _inputs(part.boolean, self.values)]
-            self._call(number, "setBoolean", part.boolean.references.tolist(), values)
+        for kind, group in zip(TYPES, (part.real, part.integer, part.boolean), strict=True):
+            if group.names:
+                now, ahead = _inputs(group, self.values), _inputs(group, self.ahead)
+                values = [a if is_ahead else n for n, a, is_ahead in zip(now, ahead, group.ahead, strict=True)]
+                self._call(number, f"set{kind}", group.references.tolist(), [_typed(kind, value) for value in values])
 
     def _begin_smooth(self, number: int, part: Part) -> None:
         self.begin[number] = _inputs(part.smooth, self.values)
@@ -193,8 +236,27 @@ class Reference:
         self._call(number, "setRealInputDerivatives", references, [1] * len(references), slopes)
         self._begin_smooth(number, part)
 
-    def _make_step(self, number: int, part: Part, t: float) -> None:
-        self._call(number, "doStep", t, self.plan.clock.step, int(not part.component.restores))
+    def _make_step(self, number: int, t: float) -> None:
+        try:
+            self._fmus[number].doStep(t, self.plan.clock.step, int(not self._snapshots))
+        except FMICallException as error:
+            if error.status != DISCARD:
+                self._refuse(number, error)
+            self._discarded(number, error)
+
+    def _discarded(self, number: int, error: FMICallException) -> None:
+        """A step was discarded: because the FMU wants to end the run? Then the step may have been made all the same."""
+        fmu, terminated, self._last = self._fmus[number], False, math.nan
+        with suppress(FMICallException):
+            terminated = fmu.getBooleanStatus(TERMINATED)
+        with suppress(FMICallException):
+            self._last = fmu.getRealStatus(LAST_SUCCESSFUL_TIME)
+        if not terminated:
+            self._refuse(number, error, got_to(self._last))
+        self._ended = number
+        clock = self.plan.clock
+        if not self._last > clock.time(self.k + 1) - 1e-9 * clock.step:
+            raise _Ended
 
     def _outputs(self, number: int, part: Part) -> dict[int, float]:
         values: list[float] = []
@@ -202,13 +264,18 @@ class Reference:
             references = part.outputs[kind].tolist()
             if references:
                 read = self._call(number, f"get{kind}", references)
-                values += [float(value != 0) if kind == "Boolean" else float(value) for value in read]
+                values += [_number(kind, value) for value in read]
         return dict(enumerate(values, part.first_signal))
 
     def _read_outputs(self, number: int, part: Part, k: int) -> None:
-        truth = self._outputs(number, part)
-        ahead = self._injectors[number].ahead(truth, k - 1) if k > 0 else truth
+        self._send(number, self._outputs(number, part), k)
+
+    def _send(self, number: int, truth: dict[int, float], k: int) -> None:
+        """True values leave at communication point ``k``."""
+        ahead = self._injectors[number].ahead(truth, k - 1)
         leaving = self._injectors[number].leave(truth, k)
+        if k == 0:
+            ahead = leaving  # no step yet: what leaves is what every input gets
         for slot, value in truth.items():
             self.truth[slot], self.ahead[slot], self.values[slot] = value, ahead[slot], leaving[slot]
 
@@ -229,6 +296,7 @@ class Reference:
         for part in self.plan.parts:
             if not part.component.restores:
                 raise NavfmuError(f"component '{part.component.name}' cannot save its state (canGetAndSetFMUstate)")
+        self._snapshots += 1
         states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
@@ -240,12 +308,13 @@ class Reference:
             self._call(number, "setFMUstate", state)
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
             injector.set_state(state)
-        self.k = snapshot.k
+        self.k, self._ended = snapshot.k, -1
         self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
         self.begin = [list(begin) for begin in snapshot.begin]
 
     def free(self, snapshot: Snapshot) -> None:
         """Release the memory of a snapshot."""
+        self._snapshots -= 1
         for fmu, state in zip(self._fmus, snapshot.states, strict=True):
             fmu.freeFMUstate(state)
 
@@ -256,6 +325,7 @@ class Reference:
         for number, fmu in enumerate(self._fmus):
             if fmu.component is not None and number not in self._fatal:
                 fmu.fmi2FreeInstance(fmu.component)
+                single.give_back(self.plan.parts[number].component)
         self._fmus = []
 
     # ---- calls -------------------------------------------------------------------------------------------------------
@@ -271,9 +341,11 @@ class Reference:
         )
         callbacks = fmi2CallbackFunctions()
         engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))
+        single.take(component)
         try:
             fmu.instantiate(callbacks=callbacks, loggingOn=True)
         except Exception:  # FMPy raises Exception itself
+            single.give_back(component)
             said = log.complaint() or "it gave no reason"
             raise RunError(f"component '{component.name}' could not be instantiated: {said}") from None
         self._fmus.append(fmu)
@@ -283,24 +355,37 @@ class Reference:
             if settings.names:
                 self._call(number, f"set{kind}", settings.references.tolist(), settings.values)
         stop = self.plan.clock.time(self.plan.clock.steps)
-        self._call(number, "setupExperiment", None, 0.0, stop)
+        self._call(number, "setupExperiment", part.component.description.tolerance, 0.0, stop)
         self._call(number, "enterInitializationMode")
 
     def _call(self, number: int, name: str, *arguments: Any) -> Any:
         try:
             return getattr(self._fmus[number], name)(*arguments)
         except FMICallException as error:
-            self._refused.add(number)
-            if error.status == 4:
-                self._fatal.add(number)
-            name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
-            raise RunError(
-                refusal(name, error.function, error.status, when, text(self._logs[number].error)),
-                self.recording() if self._initialised else None,
-                component=name,
-                call=error.function,
-                time=when,
-            ) from None
+            self._refuse(number, error)
+
+    def _refuse(self, number: int, error: FMICallException, more: str = "") -> NoReturn:
+        self._refused.add(number)
+        if error.status == 4:
+            self._fatal.add(number)
+        name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
+        raise RunError(
+            refusal(name, error.function, error.status, when, text(self._logs[number].error)) + more,
+            self.recording() if self._initialised else None,
+            component=name,
+            call=error.function,
+            time=when,
+        ) from None
+
+
+def _number(kind: str, value: Any) -> float:
+    """What an FMU has returned, as a signal."""
+    return float(value != 0) if kind == "Boolean" else float(value)
+
+
+def _typed(kind: str, value: float) -> float | int:
+    """A signal, as an FMU gets it."""
+    return value if kind == "Real" else int(value) if kind == "Integer" else int(value != 0.0)
 
 
 def _inputs(group: Inputs, signals: list[float]) -> list[float]:

@@ -18,7 +18,7 @@ from ctypes import (
     sizeof,
 )
 
-from navfmu.engine import effect
+from navfmu.engine import effect, initial
 from navfmu.errors import NavfmuError
 
 #: The enumeration Call, in its order: what each is called in FMI. The loop's own come first.
@@ -32,6 +32,8 @@ CALLS = {
     "GET_BOOLEAN": "fmi2GetBoolean",
     "DO_STEP": "fmi2DoStep",
     "EXIT_INITIALIZATION": "fmi2ExitInitializationMode",
+    "GET_BOOLEAN_STATUS": "fmi2GetBooleanStatus",
+    "GET_REAL_STATUS": "fmi2GetRealStatus",
     "LOAD": "the loading of its binary",
     "INSTANTIATE": "fmi2Instantiate",
     "SETUP_EXPERIMENT": "fmi2SetupExperiment",
@@ -46,8 +48,12 @@ CALLS = {
 NAMES = tuple(CALLS.values())
 #: The functions that the loop calls: the field of Component that points to each, and its name in FMI.
 LOOP = {name.lower(): function for name, function in list(CALLS.items())[: list(CALLS).index("LOAD")]}
+#: Those of them that are called only after a step was discarded; an FMU may lack them.
+ASKED = (LOOP["get_boolean_status"], LOOP["get_real_status"])
 DONE, FAILED, INTERRUPTED = range(3)
 WARNING = 1  # the last status after which a run goes on
+DISCARD = 2
+LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind: what can be asked after a step was discarded
 
 
 def text(raw: bytes) -> str:
@@ -112,13 +118,14 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "effect", "signal")),
-        *((name, c_int32) for name in ("components", "signals", "first_driven", "driven")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "signal")),
+        *((name, c_int32) for name in ("components", "moves", "signals", "first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),
         ("record_every", c_int64),
         *((name, c_double) for name in ("step", "numerator", "denominator")),
-        *((name, c_int32) for name in ("interrupt", "status")),
+        *((name, c_int32) for name in ("interrupt", "status", "ended")),
+        ("last", c_double),
     ]
 
 
@@ -133,11 +140,11 @@ Row = tuple[str, str, int, int]  # structure, field ("": the whole), offset and 
 
 def here() -> Iterator[Row]:
     """The table as this file and the fault table mean it."""
-    rows = effect.EFFECT
-    yield "Effect", "", 0, rows.itemsize
-    for name in rows.names or ():
-        kind, offset = rows.fields[name][:2]  # type: ignore[index]
-        yield "Effect", name, offset, kind.itemsize
+    for table, rows in (("Effect", effect.EFFECT), ("Move", initial.MOVE)):
+        yield table, "", 0, rows.itemsize
+        for name in rows.names or ():
+            kind, offset = rows.fields[name][:2]  # type: ignore[index]
+            yield table, name, offset, kind.itemsize
     for structure in (Inputs, Component, Place, Log, Master):
         yield structure.__name__, "", 0, sizeof(structure)
         for name, *_ in structure._fields_:
@@ -145,6 +152,8 @@ def here() -> Iterator[Row]:
             yield structure.__name__, name, place.offset, place.size
     for name in ("ADD", "RAMP", "SET", "HOLD", "NOISE"):
         yield "EffectKind", name, getattr(effect, name), 0
+    for name in ("READ", "GIVE", "LEAVE"):
+        yield "MoveKind", name, getattr(initial, name), 0
     for number, name in enumerate(CALLS):
         yield "Call", name, number, 0
 

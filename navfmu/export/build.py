@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, codegen, description, ir, toolchain
+from navfmu.export import archive, codegen, description, ir, life, toolchain
 from navfmu.export.fingerprint import fingerprint
 from navfmu.export.icon import icon
 from navfmu.files import cache
@@ -150,6 +150,7 @@ def _twin(component: type, lowered: list[ir.Model], folder: Path) -> Built:
 def prepare(model: ir.Model, component: type | None = None) -> Sources:
     """Generate the C code and the description of a model; the GUID is a hash of all that the binary depends on."""
     runtime = {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("*.[ch]"))}
+    runtime["life.h"] = life.header()
     guid = archive.guid(
         codegen.generate(model, _NO_GUID),
         description.describe(model, _NO_GUID, sources=UNITS),

@@ -1,21 +1,18 @@
-"""From the lowered model to its C source: the tasks as CasADi wrote them, and tables of constants around them."""
+"""From the lowered model to its C source: a function for each task, and tables of constants around them."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir
+from navfmu.export import ir, life
+from navfmu.export.graph import c_function, c_number
 
-if TYPE_CHECKING:
-    import casadi as ca
-
-#: Arguments of a task's function, in order (a check takes the first alone).
-ARGUMENTS = ("v", "noise", "clock", "rows")
+#: The vectors that a task's function reads, in order.
+VECTORS = ("v", "noise", "clock", "rows")
 
 
 def generate(model: ir.Model, guid: str) -> str:
@@ -73,27 +70,26 @@ def _check(model: ir.Model) -> None:
 def _source(model: ir.Model, guid: str) -> Iterable[str]:
     _check(model)
     periods = clocks(model)
-    functions: list[ca.Function] = []
     yield f"/* The model {model.name}, generated from its equations. */"
     yield '#include "model.h"'
     yield ""
     yield "#include <math.h>"
     yield ""
-    tasks = [_rename(task.function, f"task_{i}", functions) for i, task in enumerate(model.tasks)]
-    checks = [_rename(check.function, f"check_{i}", functions) for i, check in enumerate(model.checks)]
-    yield _casadi(functions)
-
+    for i, task in enumerate(model.tasks):
+        yield c_function(f"task_{i}", VECTORS, task.values)
+    for i, check in enumerate(model.checks):
+        yield c_function(f"check_{i}", VECTORS, [check.holds])
     yield from _array(
         "Variable",
         "model_variables",
         (
-            f"{{{_text(v.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {_number(v.start)}, "
-            f"{_number(-math.inf if v.min is None else v.min)}, {_number(math.inf if v.max is None else v.max)}, "
+            f"{{{_text(v.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {c_number(v.start)}, "
+            f"{c_number(-math.inf if v.min is None else v.min)}, {c_number(math.inf if v.max is None else v.max)}, "
             f"{int(v.causality == 'parameter')}}}"
             for v in model.variables
         ),
     )
-    yield from _array("unsigned char", "model_access", (_access(v) for v in model.variables))
+    yield from _array("unsigned short", "model_access", (_access(v) for v in model.variables))
     inputs = continuous_inputs(model)
     yield from _array("int", "model_inputs", inputs)
     slots = {index: slot for slot, index in enumerate(inputs)}
@@ -101,12 +97,13 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield from _array("int", "model_clocks", periods)
     for i, task in enumerate(model.tasks):
         yield from _array("int", f"targets_{i}", task.targets)
-    yield from _array("Task", "model_tasks", (_task(i, task, tasks[i], periods) for i, task in enumerate(model.tasks)))
+        yield from _array("int", f"wholes_{i}", _wholes(model, task))
+    yield from _array("Task", "model_tasks", (_task(model, i, periods) for i in range(len(model.tasks))))
     messages = []
     for i, check in enumerate(model.checks):
         message, values = _message(check)
         yield from _array("int", f"values_{i}", values)
-        messages.append(f"{{{checks[i]}, {_text(message)}, values_{i}}}")
+        messages.append(f"{{check_{i}, {_text(message)}, values_{i}}}")
     yield from _array("Check", "model_checks", messages)
     yield from _array(
         "TableInfo",
@@ -136,58 +133,23 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "input_slot": "model_input_slot",
         "seed": -1 if model.seed is None else model.seed,
         "stream": -1 if model.stream is None else model.stream,
-        "has_calculated": int(any(v.initial == "calculated" and v.causality == "output" for v in model.variables)),
+        "has_calculated": int(any(v.initial == "calculated" for v in model.variables)),
         "most_normals": most(task.normals for task in model.tasks),
         "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),
         "row_values": sum(2 * len(table.columns) for table in model.tables),
-        "size_arg": most(f.sz_arg() for f in functions),
-        "size_res": most(f.sz_res() for f in functions),
-        "size_iw": most(f.sz_iw() for f in functions),
-        "size_w": most(f.sz_w() for f in functions),
     }
     yield "const Model model = {"
     yield from (f"    .{name} = {value}," for name, value in fields.items())
     yield "};"
 
 
-def _rename(function: ca.Function, name: str, functions: list[ca.Function]) -> str:
-    """Add to ``functions`` the same function over scalars, under a name that cannot clash; return the name."""
-    import casadi as ca
-
-    from navfmu.export import trace
-
-    inputs = [ca.SX.sym(ARGUMENTS[i], function.sparsity_in(i)) for i in range(function.n_in())]
-    with trace.as_written():
-        functions.append(ca.Function(name, inputs, [ca.densify(function(*inputs))]))
-    return name
+def _wholes(model: ir.Model, task: ir.Task) -> list[int]:
+    """Return which of a task's results are Integers."""
+    return [place for place, index in enumerate(task.targets) if model.variables[index].type == "Integer"]
 
 
-def _casadi(functions: Sequence[ca.Function]) -> str:
-    """Return the C code of the functions, without CasADi's functions for inspection and its checks for null pointers.
-
-    (The runtime passes every argument and result, always.)
-    """
-    import casadi as ca
-
-    if not functions:
-        return ""
-    generator = ca.CodeGenerator("model", {"with_header": False})
-    for function in functions:
-        generator.add(function)
-    text = generator.dump()
-    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0;", r"arg[\1][\2];", text)
-    text = re.sub(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=", r"res[\1][\2]=", text)
-    names = "|".join(f.name() for f in functions)
-    kept = []
-    for block in re.split(r"\n\n+", text):
-        if re.match(rf"CASADI_SYMBOL_EXPORT [^(]*?\b(?:{names})\(", block):
-            kept.append(block.replace("CASADI_SYMBOL_EXPORT", "static", 1))
-        elif "CASADI_SYMBOL_EXPORT" not in block and not re.match(r"static const casadi_int casadi_s\d", block):
-            kept.append(re.sub(r"^casadi_real casadi_", "static casadi_real casadi_", block.strip("\n"), flags=re.M))
-    return "\n\n".join(kept) + "\n"
-
-
-def _task(i: int, task: ir.Task, function: str, periods: list[int]) -> str:
+def _task(model: ir.Model, i: int, periods: list[int]) -> str:
+    task = model.tasks[i]
     kind = {"start": "ON_START", "every": "ON_CLOCK", "on_new": "ON_NEW"}[task.kind]
     clock = 0 if task.period is None else periods.index(task.period)
 
@@ -195,21 +157,18 @@ def _task(i: int, task: ir.Task, function: str, periods: list[int]) -> str:
         return -1 if index is None else index
 
     return (
-        f"{{{_text(task.name)}, {kind}, {function}, {task.normals}, UINT64_C({task.stream}), {clock}, "
+        f"{{{_text(task.name)}, {kind}, task_{i}, {task.normals}, UINT64_C({task.stream}), {clock}, "
         f"{place(task.sequence)}, {place(task.time_of_validity)}, {place(task.lost)}, "
-        f"{len(task.targets)}, targets_{i}}}"
+        f"{len(task.targets)}, targets_{i}, {len(_wholes(model, task))}, wholes_{i}}}"
     )
 
 
 def _access(variable: ir.Variable) -> str:
-    """Return the type and when the variable may be set, as section 4.2.4 of FMI 2.0 says."""
-    bits = [variable.type.upper()]
-    if variable.causality == "input":
-        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION", "SET_STEP"]
-    elif variable.initial == "exact" and variable.causality != "local":
-        bits += ["SET_INSTANTIATED", "SET_INITIALIZATION"]
-        if variable.causality == "parameter" and variable.variability == "tunable":
-            bits += ["SET_STEP", "TUNABLE"]
+    """Return the type and the states in which the variable may be set."""
+    states = life.settable(variable.causality, variable.variability, variable.initial)
+    bits = [variable.type.upper(), *(state.name for state in life.State if state in states)]
+    if variable.causality == "parameter" and life.State.STEPPING in states:
+        bits.append("TUNABLE")
     return " | ".join(bits)
 
 
@@ -234,14 +193,6 @@ def _array(kind: str, name: str, items: Iterable[object]) -> Iterable[str]:
     yield from lines or ["    {0},"] if kind[0].isupper() else lines or ["    0,"]
     yield "};"
     yield ""
-
-
-def _number(value: float) -> str:
-    if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
-    if math.isnan(value):
-        return "NAN"
-    return repr(float(value))
 
 
 def _text(text: str) -> str:

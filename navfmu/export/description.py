@@ -8,8 +8,9 @@ from xml.sax.saxutils import quoteattr
 
 from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export import ir
+from navfmu.export import ir, life
 from navfmu.export.codegen import clocks, continuous_inputs
+from navfmu.export.graph import elements_used
 
 #: Symbols that units are made of, such as m2/s3 or kg/m3: exponents of the base units (all factors are 1).
 SYMBOLS: dict[str, dict[str, int]] = {
@@ -47,13 +48,6 @@ DISPLAY_UNITS: dict[str, dict[str, tuple[float, float]]] = {
 }
 
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
-#: Log categories of the runtime.
-CATEGORIES = {
-    "logEvents": "What happens inside, such as lost samples",
-    "logStatusWarning": "Warnings",
-    "logStatusError": "Why a call was refused; logged even when logging is off",
-    "logAll": "All of these",
-}
 
 
 def describe(
@@ -121,22 +115,23 @@ def display(variable: ir.Variable, value: float) -> tuple[float, str]:
 
 
 def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
-    """Return the outputs calculated in initialisation, each with the variables that it depends on (indices in v)."""
-    depends = {
-        v.index: {v.index} if v.causality in ("input", "parameter") or v.initial == "exact" else set()
-        for v in model.variables
-    }
+    """Return the outputs calculated in initialisation, each with the variables that it depends on (indices in v).
+
+    These are all that can be set then: inputs, parameters, states and outputs with a start value, and where random
+    numbers are drawn, their seed and stream.
+    """
+    known = {v.index for v in model.variables if v.causality == "input" or v.initial == "exact"}
+    depends = {v.index: {v.index} & known for v in model.variables}
     for task in model.tasks:
         if task.kind != "start":
             continue
-        rows, columns = task.function.jac_sparsity(0, 0).get_triplet()
-        found: list[set[int]] = [set() for _ in task.targets]
-        for row, column in zip(rows, columns, strict=True):
-            found[row] |= depends[column]
+        found = []
+        for used, drawn in zip(elements_used(task.values, "v"), elements_used(task.values, "noise"), strict=True):
+            seeds = {model.seed, model.stream} if drawn else set()
+            found.append(set().union(*(depends[i] for i in used | seeds)))
         depends.update(zip(task.targets, found, strict=True))
-    known = {v.index for v in model.variables if v.causality in ("input", "parameter")}
     return [
-        (v.index, tuple(sorted(depends[v.index] & known)))
+        (v.index, tuple(sorted(depends[v.index])))
         for v in model.variables
         if v.causality == "output" and v.initial == "calculated"
     ]
@@ -180,11 +175,18 @@ def _lines(
         yield "  </CoSimulation>"
     yield from _units(model)
     yield "  <LogCategories>"
-    yield from ("    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in CATEGORIES.items())
+    yield from (
+        "    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in life.categories().items()
+    )
     yield "  </LogCategories>"
     periods = [model.variables[i].start for i in clocks(model)]
     step = min(periods, default=0.01)
-    experiment = {"startTime": 0.0, "stopTime": max(10.0, 100 * max(periods, default=0.01)), "stepSize": step}
+    experiment = {
+        "startTime": 0.0,
+        "stopTime": max(10.0, 100 * max(periods, default=0.01)),
+        "tolerance": 1e-6,  # nothing inside integrates with one; hosts that want a tolerance take this
+        "stepSize": step,
+    }
     yield "  " + _tag("DefaultExperiment", experiment, closed=True)
     bundles = model.documentation.get("bundles") or {}
     if bundles:

@@ -16,7 +16,7 @@ from navfmu.export.imports import imports
 #: Files beside a model's modules that it may read, such as coefficients.
 _DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
 #: What turns sources into FMUs; another version is another FMU.
-_TOOLS = ("casadi", "ziglang", "numpy", "matplotlib", "pythonfmu", "jinja2")
+_TOOLS = ("ziglang", "numpy", "matplotlib", "pythonfmu", "jinja2")
 _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib", "purelib", "platlib")}
 _EXPORT = Path(__file__).parent
 _ENDINGS = {".py", ".c", ".h", ".txt", ".j2"}  # of the exporter's own files

@@ -1,46 +1,43 @@
 """Interpreter: runs a component with floats, in plain NumPy, with the semantics of the C runtime.
 
-It is what tests and a debugger use, and what the PythonFMU twin carries. ``runtime/instance.c`` is the same thing in C;
-the two are kept alike function by function.
+It is what tests and a debugger use, and what the PythonFMU twin carries. When what may be called and set, and what is
+said about it, stands in ``life.py`` for both; the rest is ``runtime/instance.c`` in Python, function by function.
 """
 
 from __future__ import annotations
 
-import copy
+import dataclasses
 import math
 import re
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from functools import cache
+from typing import Any, NoReturn
 
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.export import ir, life
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
-from navfmu.export.layout import Field
+from navfmu.export.layout import Field, Layout
+from navfmu.export.life import State
 from navfmu.export.noise import Normals
 from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
 
-INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED = "instantiated", "initialization", "stepping", "terminated"
-_PHASES = {
-    INSTANTIATED: "before initialisation",
-    INITIALIZATION: "in initialisation mode",
-    STEPPING: "after initialisation",
-    TERMINATED: "after termination",
-}
 _DTYPES = {"real": float, "integer": np.int64, "boolean": bool}
+_EPSILON = 2.220446049250313e-16
 
 
 class FloatFrame(Frame):
     """Floats for everything a task can read."""
 
-    def __init__(self, run: Interpreter, time: float, period: float) -> None:
-        super().__init__(run.layout, time, period)
-        self.run = run
+    def __init__(self, layout: Layout, values: np.ndarray, time: float, period: float) -> None:
+        super().__init__(layout, time, period)
+        self.values = values
 
     def load(self, field: Field) -> Any:
-        values = self.run.values[field.index : field.index + field.size]
+        values = self.values[field.index : field.index + field.size]
         if field.kind == "real" and not field.shape:
             return values[0]
         if field.kind == "integer":
@@ -55,8 +52,10 @@ class FloatFrame(Frame):
 
     def convert(self, field: Field, value: Any) -> Any:
         array = np.array(value)
-        if field.kind == "integer" and array.dtype.kind == "f" and np.any(array != np.floor(array)):
-            self.fail(f"'{field.name}' is an Integer and is assigned {value}")
+        if field.kind == "integer":
+            for i, number in enumerate(array.ravel().tolist()):
+                if not is_whole(number):
+                    self.fail(life.sentence("NOT_WHOLE", self.layout.variables[field.index + i].name, number))
         if field.kind == "boolean":
             array = array != 0
         array = array.astype(_DTYPES[field.kind])
@@ -73,9 +72,9 @@ class FloatFrame(Frame):
             field = self.layout.fields[name]
             value = self.current[name]
             if field.shape:
-                self.run.values[field.index : field.index + field.size] = value.ravel()
+                self.values[field.index : field.index + field.size] = value.ravel()
             else:
-                self.run.values[field.index] = value
+                self.values[field.index] = value
 
 
 def nearest_int(value: float) -> int:
@@ -86,24 +85,70 @@ def nearest_int(value: float) -> int:
     return int(value - 0.5) if value < 0 else int(value + 0.5)
 
 
+def is_whole(value: float) -> bool:
+    """Return whether an Integer can hold the value."""
+    return -2147483648.0 <= value <= 2147483647.0 and value == math.floor(value)
+
+
+def _run_task(
+    component: type[Component], task: TaskDeclaration, values: np.ndarray, k: int, time: float, period: float
+) -> set[str]:
+    """Run a task on the values and store what it assigns; return the names of that."""
+    layout = component.layout
+    frame = FloatFrame(layout, values, time, period)
+    arguments: Iterable[Any] = ()
+    if task.uses_noise:
+        seed, stream = (nearest_int(values[layout.fields[name].index]) for name in ("seed", "stream"))
+        arguments = (Normals(seed, stream, k, task.stream),)
+    task.function(component(frame), *arguments)
+    frame.commit()
+    return frame.assigned
+
+
+@cache
+def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
+    """Return the variables of a component, those marked as calculated that its start tasks assign.
+
+    Which these are is found by running the start tasks once on the start values. A model that fails on these is
+    refused with the sentence of what it did.
+    """
+    layout = component.layout
+    values = np.array([v.start for v in layout.variables], float)
+    assigned: set[str] = set()
+    for task in layout.tasks:
+        if task.kind == "start":
+            try:
+                with np.errstate(all="ignore"):
+                    assigned |= _run_task(component, task, values, 0, 0.0, 0.0)
+            except NavfmuError:
+                raise
+            except Exception as error:
+                what = f"task '{task.name}' fails on the start values: {type(error).__name__}: {error}"
+                raise NavfmuError(f"{task.place}: component {component.__name__}: {what}") from error
+    fields = (layout.fields[name] for name in assigned)
+    calculated = {i for field in fields for i in range(field.index, field.index + field.size)}
+    return tuple(dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables)
+
+
 class Interpreter:
     """One running instance of a component.
 
     ``set`` and ``get`` take FMI names (``x``, ``x[2]``, ``fix.valid``; the bare name of an array means all of it) or
-    value references. Life: construct, set parameters, ``setup``, set inputs, ``do_step``...
+    value references. Life: construct, set parameters, ``setup``, set inputs, ``do_step``... A call that is not
+    allowed, or a value that is not, is a :class:`NavfmuError` and changes nothing.
     """
 
     def __init__(self, component: type[Component]) -> None:
         self.component = component
         self.layout = component.layout
-        self.variables = self.layout.variables
+        self.variables = variables(component)
         self._index = {v.name: v.index for v in self.variables}
-        self._kinds = {v.index: v.type for v in self.variables}
-        self._smooth = [v.index for v in self.variables if v.causality == "input" and v.variability == "continuous"]
+        self._settable = [life.settable(v.causality, v.variability, v.initial) for v in self.variables]
+        self._smooth = {v.index for v in self.variables if v.causality == "input" and v.variability == "continuous"}
         periods = [self._period(task) for task in self.layout.tasks]
         self._clocks = list(dict.fromkeys(p for p in periods if p is not None))
-        self._calculated = any(task.kind == "start" for task in self.layout.tasks)
-        self.events: list[str] = []
+        self._calculated = any(v.initial == "calculated" for v in self.variables)
+        self.events: list[str] = []  # what was said under logEvents, until somebody clears it
         self.reset()
 
     # --- life ---
@@ -113,7 +158,9 @@ class Interpreter:
         self.values = np.array([v.start for v in self.variables], float)
         self.time = self.start_time = 0.0
         self.stop_time = math.inf
-        self.phase = INSTANTIATED
+        self.elapsed = self.rest = 0.0  # since the start: the sum of all steps, and what is too small to show in it
+        self.steps = 0
+        self.state = State.INSTANTIATED
         self.slopes: dict[int, float] = {}
         self.counts = [0] * len(self._clocks)
         self.last = [0] * len(self.layout.tasks)
@@ -127,92 +174,118 @@ class Interpreter:
 
     def setup_experiment(self, start: float = 0.0, stop: float | None = None) -> None:
         """Set the interval of time in s."""
-        if not math.isfinite(start) or (stop is not None and not stop >= start):
-            raise NavfmuError(f"The experiment from {start:.9g} s to {stop} s is not an interval of time.")
+        self._allow("fmi2SetupExperiment")
+        stop = math.inf if stop is None else float(stop)
+        if not math.isfinite(start) or not stop >= start:
+            self._refuse("NO_INTERVAL", start, stop)
         self.time = self.start_time = float(start)
-        self.stop_time = math.inf if stop is None else float(stop)
+        self.stop_time = stop
 
     def enter_initialization(self) -> None:
-        """Begin initialisation; outputs that are calculated from parameters can be read from here on."""
-        self.phase = INITIALIZATION
+        """Begin initialisation; what is calculated from parameters can be read from here on."""
+        self._allow("fmi2EnterInitializationMode")
+        self.state = State.INITIALIZATION
 
     def exit_initialization(self) -> None:
         """End initialisation: check the parameters, run the start tasks."""
+        self._allow("fmi2ExitInitializationMode")
         self._undo_preview()
         self._check_parameters()
+        self._preview()
+        self._before = None  # what was calculated stays
         self.time = self.start_time
-        self._run_start_tasks()
-        self.phase = STEPPING
+        self.state = State.STEPPING
 
     def terminate(self) -> None:
         """End the run; values can still be read."""
-        self.phase = TERMINATED
+        self._allow("fmi2Terminate")
+        self.state = State.TERMINATED
+
+    def _allow(self, function: str) -> None:
+        if self.state not in life.CALLS[function]:
+            self._refuse("NOT_ALLOWED", function, life.WHEN[self.state])
+
+    @staticmethod
+    def _refuse(message: str, *values: object) -> NoReturn:
+        raise NavfmuError(life.sentence(message, *values))
 
     # --- values ---
 
-    def _indices(self, name: str | int) -> tuple[int, tuple[int, ...]]:
+    def _references(self, name: str | int) -> tuple[list[int], tuple[int, ...]]:
+        """Return the value references that a name stands for, and the shape of their values."""
         if isinstance(name, int | np.integer):
-            if not 0 <= name < len(self.variables):
-                raise NavfmuError(f"There is no variable with value reference {name} in '{self.layout.name}'.")
-            return int(name), ()
+            return [int(name)], ()
         if name in self.layout.fields:
             field = self.layout.fields[name]
-            return field.index, field.shape
+            return list(range(field.index, field.index + field.size)), field.shape
         if name not in self._index:
             known = [*self.layout.fields, *self._index]
             raise NavfmuError(f"There is no variable '{name}' in '{self.layout.name}'{nearest(name, known)}")
-        return self._index[name], ()
+        return [self._index[name]], ()
+
+    def _variable(self, reference: int, kind: str | None = None) -> ir.Variable:
+        """Return the variable with a value reference, which must be of that type if one is given."""
+        if not 0 <= reference < len(self.variables):
+            self._refuse("NO_VARIABLE", reference % 2**32, len(self.variables))
+        variable = self.variables[reference]
+        if kind not in (None, variable.type):
+            self._refuse("OTHER_TYPE", variable.name, reference, variable.type, kind)
+        return variable
 
     def get(self, name: str | int) -> Any:
         """Return a value as float, int or bool, or the array that a bare name means."""
-        index, shape = self._indices(name)
-        if self._calculated and self.phase == INITIALIZATION:
-            self._preview()
-        convert = {"Real": float, "Integer": nearest_int, "Boolean": lambda x: bool(x != 0)}[self._kinds[index]]
-        if not shape:
-            return convert(self.values[index])
-        return np.array([convert(x) for x in self.values[index : index + math.prod(shape)]]).reshape(shape)
+        references, shape = self._references(name)
+        values = self.get_values(self._variable(references[0]).type, references)
+        return np.array(values).reshape(shape) if shape else values[0]
 
     def set(self, name: str | int, value: Any) -> None:
-        """Set an input or a parameter, or before initialisation ends the start value of an output."""
-        index, shape = self._indices(name)
-        self._undo_preview()
-        numbers = np.broadcast_to(np.asarray(value, float), shape).ravel() if shape else (float(value),)
-        for i, number in enumerate(numbers, index):
-            self._check_settable(i)
-            if self._kinds[i] == "Boolean":
-                number = float(number != 0)
-            if self.phase == STEPPING and self.variables[i].causality == "parameter":
-                sentence = self._range_sentence(i, float(number))
+        """Set an input or a parameter, or before initialisation ends the start value of an output or a state."""
+        references, shape = self._references(name)
+        values = np.broadcast_to(np.asarray(value, float), shape).ravel().tolist()
+        self.set_values(self._variable(references[0]).type, references, values)
+
+    def get_values(self, kind: str, references: Sequence[int]) -> list[Any]:
+        """Return the values of variables of one type ("Real", "Integer", "Boolean")."""
+        if self._calculated and self.state == State.INITIALIZATION:
+            self._preview()
+        for reference in references:
+            self._variable(reference, kind)
+        convert = {"Real": float, "Integer": nearest_int, "Boolean": lambda x: bool(x != 0)}[kind]
+        return [convert(self.values[reference]) for reference in references]
+
+    def set_values(self, kind: str, references: Sequence[int], values: Sequence[float]) -> None:
+        """Set variables of one type; the values of Integers are whole."""
+        self._allow(f"fmi2Set{kind}")
+        for reference, value in zip(references, values, strict=True):
+            variable = self._variable(reference, kind)
+            states = self._settable[reference]
+            if self.state not in states:
+                self._refuse("NOT_SETTABLE", variable.name, life.WHEN[self.state], life.why_not(states))
+            if kind == "Integer" and not is_whole(value):
+                self._refuse("NOT_WHOLE", variable.name, value)
+            if self.state == State.STEPPING and variable.causality == "parameter":
+                sentence = self._range_sentence(variable, float(value))
                 if sentence:
                     raise NavfmuError(sentence)
-            self.values[i] = number
-            if i in self.slopes:
-                self.slopes[i] = 0.0
-
-    def _check_settable(self, i: int) -> None:
-        variable = self.variables[i]
-        if self.phase == TERMINATED:
-            why = "nothing can be set then"
-        elif variable.causality == "local":
-            why = "it is calculated"
-        elif self.phase == STEPPING and variable.causality != "input" and variable.variability != "tunable":
-            why = "it is fixed once initialisation has ended"
-        else:
-            return
-        raise NavfmuError(f"Variable '{variable.name}' cannot be set {_PHASES[self.phase]}: {why}.")
+        self._undo_preview()
+        for reference, value in zip(references, values, strict=True):
+            self.values[reference] = value != 0 if kind == "Boolean" else value
 
     def set_derivative(self, name: str | int, value: Any) -> None:
         """Set the slope of a continuous Real input over the coming step."""
-        index, shape = self._indices(name)
+        references, shape = self._references(name)
+        values = np.broadcast_to(np.asarray(value, float), shape).ravel().tolist()
+        self.set_derivatives(references, [1] * len(references), values)
+
+    def set_derivatives(self, references: Sequence[int], orders: Sequence[int], values: Sequence[float]) -> None:
+        """Set derivatives of inputs for the coming step; it does not matter whether the values come before or after."""
+        self._allow("fmi2SetRealInputDerivatives")
+        for reference, order in zip(references, orders, strict=True):
+            variable = self._variable(reference, "Real")
+            if reference not in self._smooth or order != 1:
+                self._refuse("NO_SLOPE", order, variable.name)
         self._undo_preview()
-        for i, number in enumerate(np.ravel(np.broadcast_to(np.asarray(value, float), shape)), index):
-            if i not in self._smooth:
-                raise NavfmuError(
-                    f"A derivative of order 1 was set for '{self.variables[i].name}'; expected order 1 and a "
-                    "continuous Real input."
-                )
-            self.slopes[i] = float(number)
+        self.slopes.update(zip(references, (float(value) for value in values), strict=True))
 
     # --- state ---
 
@@ -222,8 +295,9 @@ class Interpreter:
         return {
             "component": self.layout.name,
             "values": self.values.tolist(),
-            "times": [self.time, self.start_time, self.stop_time],
-            "phase": self.phase,
+            "times": [self.time, self.start_time, self.stop_time, self.elapsed, self.rest],
+            "steps": self.steps,
+            "state": int(self.state),
             "slopes": [[i, slope] for i, slope in self.slopes.items()],
             "counts": list(self.counts),
             "last": list(self.last),
@@ -232,19 +306,26 @@ class Interpreter:
     def set_state(self, state: dict[str, Any]) -> None:
         """Return to a saved state."""
         if state.get("component") != self.layout.name or len(state["values"]) != len(self.variables):
-            raise NavfmuError(f"This is not a saved state of '{self.layout.name}'.")
+            self._refuse("OTHER_STATE", self.layout.name)
         self._before = None
         self.values = np.array(state["values"], float)
-        self.time, self.start_time, self.stop_time = state["times"]
-        self.phase = state["phase"]
+        self.time, self.start_time, self.stop_time, self.elapsed, self.rest = state["times"]
+        self.steps, self.state = state["steps"], State(state["state"])
         self.slopes = {int(i): slope for i, slope in state["slopes"]}
         self.counts, self.last = list(state["counts"]), list(state["last"])
 
     def _preview(self) -> None:
-        if self._before is None:
-            before = copy.deepcopy(self.get_state())
-            self._run_start_tasks()
-            self._before = before
+        """Calculate what depends on what was set so far; when that fails, nothing has changed."""
+        if self._before is not None:
+            return
+        self._before = self.get_state()
+        try:
+            for task in self.layout.tasks:
+                if task.kind == "start":
+                    self._run(task, 0, self.start_time, 0.0)
+        except BaseException:
+            self._undo_preview()
+            raise
 
     def _undo_preview(self) -> None:
         if self._before is not None:
@@ -252,32 +333,33 @@ class Interpreter:
 
     # --- parameters ---
 
-    def _range_sentence(self, i: int, value: float) -> str | None:
-        variable = self.variables[i]
+    @staticmethod
+    def _range_sentence(variable: ir.Variable, value: float) -> str | None:
         low = -math.inf if variable.min is None else variable.min
         high = math.inf if variable.max is None else variable.max
         if low <= value <= high:
             return None
         space, unit = (" ", variable.unit) if variable.unit and variable.unit != "1" else ("", "")
-        told = f"Parameter '{variable.name}' is {value:.9g}{space}{unit}; expected a value"
+        told = (variable.name, value, space, unit)
         if math.isfinite(low) and math.isfinite(high):
-            return f"{told} from {low:.9g} to {high:.9g}{space}{unit}."
+            return life.sentence("BETWEEN", *told, low, high, space, unit)
         if math.isfinite(low):
-            return f"{told} of at least {low:.9g}{space}{unit}."
+            return life.sentence("AT_LEAST", *told, low, space, unit)
         if math.isfinite(high):
-            return f"{told} of at most {high:.9g}{space}{unit}."
-        return f"Parameter '{variable.name}' is not a number."
+            return life.sentence("AT_MOST", *told, high, space, unit)
+        return life.sentence("NO_NUMBER", variable.name)
 
     def _check_parameters(self) -> None:
-        parameters = [v.index for v in self.variables if v.causality == "parameter"]
-        sentences = [s for i in parameters if (s := self._range_sentence(i, float(self.values[i])))]
+        parameters = [v for v in self.variables if v.causality == "parameter"]
+        sentences = [s for v in parameters if (s := self._range_sentence(v, float(self.values[v.index])))]
         for clock in self._clocks if not sentences else ():
             period = float(self.values[clock])
             if not (math.isfinite(period) and period > 0):
-                name = self.variables[clock].name
-                sentences.append(f"Parameter '{name}' is {period:.9g} s; expected a period longer than 0 s.")
+                sentences.append(life.sentence("NO_PERIOD", self.variables[clock].name, period))
         for requirement in self.layout.requirements if not sentences else ():
-            if not requirement.function(self.component(FloatFrame(self, self.start_time, 0.0))):
+            frame = FloatFrame(self.layout, self.values, self.start_time, 0.0)
+            holds = requirement.function(self.component(frame))
+            if not holds or holds != holds:
                 values = {n: float(self.values[self.layout.index(n)]) for n in requirement.names}
                 show = re.compile(r"\{([^}]*)\}")
                 sentences.append(show.sub(lambda m, values=values: f"{values[m[1]]:.6g}", requirement.message))
@@ -292,49 +374,54 @@ class Interpreter:
         return None if name is None else self.layout.fields[name].index
 
     def _run(self, task: TaskDeclaration, k: int, time: float, period: float) -> None:
-        frame = FloatFrame(self, time, period)
-        arguments: Iterable[Any] = ()
-        if task.uses_noise:
-            arguments = (Normals(self._whole("seed"), self._whole("stream"), k, task.stream),)
-        task.function(self.component(frame), *arguments)
-        frame.commit()
-
-    def _whole(self, name: str) -> int:
-        return nearest_int(self.values[self.layout.fields[name].index])
-
-    def _run_start_tasks(self) -> None:
-        for task in self.layout.tasks:
-            if task.kind == "start":
-                self._run(task, 0, self.start_time, 0.0)
+        _run_task(self.component, task, self.values, k, time, period)
 
     def _run_on_new(self, number: int, task: TaskDeclaration, time: float, tolerance: float, period: float) -> None:
         """Run the task if the bundle's number has changed and its time has come."""
-        sequence = self._whole(f"{task.argument}.sequence")
+        fields, bundle = self.layout.fields, task.argument
+        sequence = nearest_int(self.values[fields[f"{bundle}.sequence"].index])
         jump = sequence - self.last[number]
-        valid_from = self.values[self.layout.fields[f"{task.argument}.time_of_validity"].index]
+        valid_from = self.values[fields[f"{bundle}.time_of_validity"].index]
         if jump == 0 or not valid_from <= time + tolerance:
             return
         self.last[number] = sequence
         if jump > 1:
-            self.values[self.layout.fields[f"{task.argument}.lost"].index] += jump - 1
-            self.events.append(
-                f"At {time:.9g} s {jump - 1} samples of '{task.argument}.sequence' were lost: the communication step "
-                "is longer than their period."
-            )
+            self.values[fields[f"{bundle}.lost"].index] += jump - 1
+            self.events.append(life.sentence("LOST", time, jump - 1, f"{bundle}.sequence"))
         self._run(task, sequence, time, period)
 
     @staticmethod
     def _tolerance(period: float, start: float, end: float) -> float:
-        return 1e-9 * period + 4 * 2.220446049250313e-16 * max(abs(start), abs(end))
+        return 1e-9 * period + 4 * _EPSILON * max(abs(start), abs(end))
 
     def _due(self, clock: int) -> float:
         return float((self.counts[clock] + 1) * self.values[self._clocks[clock]])
 
-    def _tick(self, elapsed: float, tolerance: float, origin: float, held: np.ndarray) -> None:
+    def _move_clock(self, h: float, end: float) -> None:
+        """Add the step to the time since the start, without rounding, within the resolution of the host's clock.
+
+        ``move_clock`` in ``runtime/instance.c`` says why.
+        """
+        before, clock = self.elapsed, end - self.start_time
+        total = self.elapsed + h
+        part = total - self.elapsed
+        self.rest += (self.elapsed - (total - part)) + (h - part)
+        self.elapsed = total + self.rest
+        self.rest -= self.elapsed - total
+        self.steps += 1
+        resolution = _EPSILON * (max(abs(self.start_time), abs(end)) + (self.steps + 1) * abs(clock))
+        ahead = self.elapsed - clock
+        if not abs(ahead) <= resolution:
+            self.elapsed = clock + math.copysign(resolution, ahead)
+            self.rest = 0.0
+        self.elapsed = max(self.elapsed, before)
+
+    def _tick(self, elapsed: float, tolerance: float, since: float, held: np.ndarray) -> None:
         """One tick: all clocks that are due at its time, then all tasks in the order of their declaration."""
         time = self.start_time + elapsed
         for i, slope in self.slopes.items():
-            self.values[i] = held[i] + slope * (time - origin)
+            if slope != 0:
+                self.values[i] = held[i] + slope * since
         due = set()
         for clock, index in enumerate(self._clocks):
             if self._due(clock) <= elapsed + tolerance:
@@ -349,34 +436,37 @@ class Interpreter:
 
     def do_step(self, t: float, h: float) -> None:
         """Do everything that is due up to and including ``t + h`` (s)."""
+        self._allow("fmi2DoStep")
         end = t + h
-        slack = 1e-9 * (1.0 + abs(end))
-        if self.phase != STEPPING:
-            raise NavfmuError(f"do_step is not allowed {_PHASES[self.phase]}.")
-        if not h >= 0 or not math.isfinite(end):
-            raise NavfmuError(f"The communication step size is {h:.9g} s at {t:.9g} s; expected a positive number.")
-        if abs(t - self.time) > slack:
-            raise NavfmuError(
-                f"A step from {t:.9g} s was asked for, but this instance is at {self.time:.9g} s; to go back, restore "
-                "a saved state."
-            )
-        if end > self.stop_time + slack:
-            raise NavfmuError(
-                f"A step to {end:.9g} s was asked for, but the experiment ends at {self.stop_time:.9g} s."
-            )
-        self._advance(end)
+        rounding = 8 * _EPSILON * max(abs(self.start_time), abs(end))
+        slack = 1e-9 * (1.0 + abs(end - self.start_time))
+        if not h > 0 or not math.isfinite(end):
+            self._refuse("NO_STEP", h, t)
+        if abs(t - self.time) > min(slack, 0.5 * h) + rounding:
+            self._refuse("OTHER_TIME", t, self.time)
+        if end > self.stop_time + slack + rounding:
+            self._refuse("PAST_STOP", end, self.stop_time)
+        try:
+            self._advance(h, end)
+        except BaseException:
+            self.state = State.FAILED
+            raise
 
-    def _advance(self, end: float) -> None:
-        origin, elapsed_end = self.time, end - self.start_time
+    def _advance(self, h: float, end: float) -> None:
+        """All ticks up to and including the time ``end`` (s)."""
+        origin = self.time - self.start_time
         held = self.values.copy() if self.slopes else self.values
-        while self._clocks:
-            first = min(range(len(self._clocks)), key=self._due)
-            due, period = self._due(first), float(self.values[self._clocks[first]])
-            tolerance = self._tolerance(period, self.start_time, end)
-            if not due <= elapsed_end + tolerance:
-                break
-            self._tick(due, tolerance, origin, held)
-        for i in self.slopes:
-            self.values[i] = held[i]
-        self.slopes = {}
-        self.time = end
+        self._move_clock(h, end)
+        try:
+            while self._clocks:
+                first = min(range(len(self._clocks)), key=self._due)
+                due, period = self._due(first), float(self.values[self._clocks[first]])
+                tolerance = self._tolerance(period, self.start_time, end)
+                if not due <= self.elapsed + tolerance:
+                    break
+                self._tick(due, tolerance, due - origin, held)
+        finally:
+            for i in self.slopes:
+                self.values[i] = held[i]
+            self.slopes = {}
+        self.time = max(self.time, end)

@@ -1,7 +1,7 @@
 """The lowered model: what the tracer hands to the code generator.
 
 A component declaration (``component.py``) is traced (``trace.py``) into a :class:`Model`: a flat list of variables
-and a list of tasks, each a CasADi function over the same four vectors. Everything that follows (C code,
+and a list of tasks, each a graph of operations on the same four vectors. Everything that follows (C code,
 modelDescription.xml, documentation, the archive) is made from this object alone.
 
 Storage: every variable, of any type, is one double in the vector ``v``; its value reference is its index there.
@@ -13,6 +13,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from typing import Any
+
+from navfmu.export.graph import Node
 
 
 @dataclass(frozen=True)
@@ -55,15 +57,14 @@ class Table:
 class Task:
     """One piece of behaviour: when it runs, and the function that computes the new values.
 
-    ``function`` is a ``casadi.Function`` with inputs
-    ``v`` (all variables), ``noise`` (``normals`` standard normal numbers), ``clock`` = [time, period],
-    ``rows`` (for each table its row and next row, concatenated), and one dense output ``r``; ``r[i]`` is then
-    stored in ``v[targets[i]]``. Shapes are columns; an unused input has length 0.
+    ``values`` are computed from the elements of ``v`` (all variables), ``noise`` (``normals`` standard normal numbers),
+    ``clock`` = [time, period] and ``rows`` (for each table its row and next row, concatenated); ``values[i]`` is then
+    stored in ``v[targets[i]]``.
     """
 
     name: str
     kind: str  # "start", "every", "on_new"
-    function: Any
+    values: tuple[Node, ...]
     targets: tuple[int, ...]
     normals: int = 0
     stream: int = 0  # third word of the noise counter, distinct for each task
@@ -75,9 +76,9 @@ class Task:
 
 @dataclass(frozen=True)
 class Check:
-    """A requirement on parameters, tested when initialisation ends; ``function(v) -> 1`` when it holds."""
+    """A requirement on parameters, the elements of ``v``, tested when initialisation ends."""
 
-    function: Any
+    holds: Node
     message: str  # "{name}" is replaced by the parameter's value, printed with %.6g
     names: tuple[tuple[str, int], ...] = ()  # placeholder name and index in v
 

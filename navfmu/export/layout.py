@@ -17,7 +17,7 @@ from navfmu.export import ir
 from navfmu.export.bundle import Bundle
 from navfmu.export.requirement import Requirement
 from navfmu.export.table import Table
-from navfmu.export.task import TaskDeclaration
+from navfmu.export.task import MARKS, TaskDeclaration
 from navfmu.export.variable import TYPES, Input, Output, Parameter, Variable
 
 RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout"}
@@ -42,6 +42,16 @@ def element_name(name: str, shape: tuple[int, ...], i: int) -> str:
     return f"{name}[{','.join(str(k + 1) for k in np.unravel_index(i, shape))}]"
 
 
+def _held(member: Any) -> Variable | Bundle | Table | None:
+    """Return a declaration that a list, tuple, set or dictionary holds, at any depth."""
+    items = member.values() if isinstance(member, dict) else member if isinstance(member, list | tuple | set) else ()
+    for item in items:
+        found = item if isinstance(item, Variable | Bundle | Table) else _held(item)
+        if found:
+            return found
+    return None
+
+
 class Layout:
     """Everything a component class declares, in order."""
 
@@ -55,7 +65,10 @@ class Layout:
         self.bundles: dict[str, Bundle] = {}
         members: dict[str, Any] = {}
         for base in reversed(component.__mro__):
-            members.update({k: v for k, v in vars(base).items() if not k.startswith("__")})
+            own = {k: v for k, v in vars(base).items() if not k.startswith("__")}
+            for name in own.keys() & members.keys():
+                self._check_override(name, members[name], own[name])
+            members.update(own)
         for name, member in members.items():
             self._member(name, member)
         self.name = vars(component).get("name") or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", component.__name__).lower()
@@ -75,9 +88,27 @@ class Layout:
         """Raise the error for this component."""
         raise NavfmuError(f"{place or self.place}: component {self.component.__name__}: {what}")
 
+    def _check_override(self, name: str, before: Any, member: Any) -> None:
+        """Refuse a method that replaces a task or a requirement and would silently be none."""
+        if MARKS & set(dir(before)) and callable(member) and not MARKS & set(dir(member)):
+            code = member.__code__
+            self.fail(
+                f"'{name}' replaces a task or requirement and has no decorator; repeat it, or write {name} = None",
+                f"{code.co_filename}, line {code.co_firstlineno}",
+            )
+
     def _member(self, name: str, member: Any) -> None:
-        if isinstance(member, Variable | Bundle | Table) and name in RESERVED:
-            self.fail(f"the name '{name}' is taken in every component", member.place)
+        if isinstance(member, Variable | Bundle | Table):
+            if name in RESERVED:
+                self.fail(f"the name '{name}' is taken in every component", member.place)
+            if member.name != name:
+                self.fail(f"'{name}' and '{member.name}' are one declaration; declare each by itself", member.place)
+        elif held := _held(member):
+            self.fail(
+                f"'{name}' is a {type(member).__name__} of declarations; declare each as an attribute, or an array: "
+                'State(3, "m")',
+                held.place,
+            )
         if isinstance(member, Variable):
             self._add(name, member)
         elif isinstance(member, Bundle):

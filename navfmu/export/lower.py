@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
 import sys
 import traceback
 from collections.abc import Callable
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, trace
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
+from navfmu.export.graph import Node
+from navfmu.export.interpreter import variables
 from navfmu.export.layout import Field, Layout
 from navfmu.export.place import is_foreign
 from navfmu.export.table import Table
@@ -27,17 +27,16 @@ class TraceFrame(Frame):
 
     def __init__(self, layout: Layout) -> None:
         booleans = tuple(v.index for v in layout.variables if v.type == "Boolean")
-        self.v, self.symbols = trace.symbols("v", len(layout.variables), booleans)
-        self.clock, clock = trace.symbols("clock", 2)
+        self.symbols = trace.symbols("v", len(layout.variables), booleans)
+        clock = trace.symbols("clock", 2)
         super().__init__(layout, clock[0], clock[1])
-        self.tables, rows = {}, []
+        self.tables, first = {}, 0
         for table in layout.tables:
-            column, both = trace.symbols(table.name, 2 * len(table.columns))
-            rows.append(column)
+            both = trace.symbols("rows", 2 * len(table.columns), first=first)
             both.setflags(write=False)
             self.tables[table.name] = (both[: len(table.columns)], both[len(table.columns) :])
-        self.row_symbols = ca.vertcat(*rows) if rows else ca.SX.sym("rows", 0)
-        self.noise_symbols: list[ca.SX] = []
+            first += both.size
+        self.normals = 0
 
     def load(self, field: Field) -> Any:
         array = self.symbols[field.index : field.index + field.size].reshape(field.shape)
@@ -57,27 +56,21 @@ class TraceFrame(Frame):
 
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
-        column, normals = trace.symbols(f"noise{len(self.noise_symbols)}", int(count))
-        self.noise_symbols.append(column)
+        normals = trace.symbols("noise", int(count), first=self.normals)
+        self.normals += normals.size
         return normals
 
-    def changes(self) -> tuple[tuple[int, ...], list[ca.SX]]:
+    def changes(self) -> tuple[tuple[int, ...], tuple[Node, ...]]:
         """Return the indices of the variables that the task changes, and their new values."""
         targets, values = [], []
+        before = trace.expressions(self.symbols)
         for name in sorted(self.assigned, key=lambda n: self.layout.fields[n].index):
             field = self.layout.fields[name]
             for i, value in enumerate(trace.expressions(self.current[name])):
-                if not ca.is_equal(value, self.v[field.index + i]):
+                if value is not before[field.index + i]:
                     targets.append(field.index + i)
                     values.append(value)
-        return tuple(targets), values
-
-    def function(self, name: str, values: list[ca.SX]) -> ca.Function:
-        """Return the CasADi function of everything readable that gives ``values`` as a column."""
-        noise = ca.vertcat(*self.noise_symbols) if self.noise_symbols else ca.SX.sym("noise", 0)
-        result = ca.cse(ca.densify(ca.vertcat(*values))) if values else ca.SX(0, 1)
-        inputs = [self.v, noise, self.clock, self.row_symbols]
-        return ca.Function(name, inputs, [result], ["v", "noise", "clock", "rows"], ["r"])
+        return tuple(targets), tuple(values)
 
 
 def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: Any) -> Any:
@@ -108,9 +101,9 @@ def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
     return ir.Task(
         name=task.name,
         kind=task.kind,
-        function=frame.function(f"{layout.name}_{task.name}", values),
+        values=values,
         targets=targets,
-        normals=sum(s.numel() for s in frame.noise_symbols),
+        normals=frame.normals,
         stream=task.stream,
         period=None if period is None else index[period],
         sequence=index[f"{task.argument}.sequence"] if on_new else None,
@@ -131,9 +124,8 @@ def _checks(layout: Layout) -> list[ir.Check]:
         if np.shape(holds) != ():
             layout.fail("a requirement must be one truth value; use np.all", requirement.place)
         names = tuple((name, layout.index(name)) for name in requirement.names)
-        result = ca.vertcat(*trace.expressions(holds))
-        function = ca.Function(f"{layout.name}_check{number + 1}", [frame.v], [result], ["v"], ["holds"])
-        checks.append(ir.Check(function, requirement.message, names))
+        (result,) = trace.expressions(holds)
+        checks.append(ir.Check(result, requirement.message, names))
     return checks
 
 
@@ -171,10 +163,6 @@ def lower(component: type[Component]) -> ir.Model:
     with trace.tracing():
         tasks = tuple(_task(layout, task) for task in layout.tasks)
         checks = tuple(_checks(layout))
-    calculated = {i for task in tasks if task.kind == "start" for i in task.targets}
-    variables = tuple(
-        dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables
-    )
     tables = tuple(
         ir.Table(
             name=table.name,
@@ -187,7 +175,7 @@ def lower(component: type[Component]) -> ir.Model:
     return ir.Model(
         name=layout.name,
         description=layout.description,
-        variables=variables,
+        variables=variables(component),
         tasks=tasks,
         checks=checks,
         tables=tables,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from navfmu.export.task import mark
+
 
 @dataclass(frozen=True)
 class Requirement:
@@ -19,9 +21,4 @@ class Requirement:
 def require(message: str) -> Callable:
     """Mark a method over parameters that must be true when initialisation ends; ``{name}`` shows a parameter."""
 
-    def mark(function: Callable) -> Callable:
-        code = function.__code__
-        function._navfmu_requirement = (message, f"{code.co_filename}, line {code.co_firstlineno}")
-        return function
-
-    return mark
+    return lambda function: mark(function, "_navfmu_requirement", message)

@@ -2,19 +2,20 @@
 
 An element of a traced array is a Python number (a constant) or a Scalar. A rule takes elements, at least one of them a
 Scalar, and returns an element; what it computes is what NumPy computes, to the last bit where the C library allows,
-for finite numbers. (A product with a constant 0, and 0 divided by something, are 0 whatever the other number is: else
-the zeros of constant matrices would be carried into the code.)
+for every number: NaN, infinities and ``-0.0`` too.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-import casadi as ca
 import numpy as np
 
 from navfmu.errors import NavfmuError
+from navfmu.export.graph import Node
+from navfmu.export.graph import number as constant
 from navfmu.export.place import place
 
 _LARGEST = float(np.finfo(float).max)
@@ -28,12 +29,12 @@ def refuse(what: str, remedy: str) -> NoReturn:
 class Scalar:
     """One traced number, and whether it is a truth value."""
 
-    __slots__ = ("boolean", "sx")
+    __slots__ = ("boolean", "node")
     __array_priority__ = 1000.0
     shape, ndim, size = (), 0, 1
 
-    def __init__(self, sx: ca.SX, boolean: bool = False) -> None:
-        self.sx = sx
+    def __init__(self, node: Node, boolean: bool = False) -> None:
+        self.node = node
         self.boolean = boolean
 
     def __bool__(self) -> bool:
@@ -62,10 +63,10 @@ class Scalar:
         refuse("complex numbers are not traced", "write real and imaginary part as two real numbers")
 
     def __round__(self, digits: int = 0) -> Any:
-        return _rint(self) if not digits else self.__int__()
+        return RULES[np.rint](self) if not digits else self.__int__()
 
     def __repr__(self) -> str:
-        return f"Scalar({self.sx})"
+        return f"Scalar({self.node.op})"
 
 
 def _binary(rule: Callable, reflected: bool = False) -> Callable:
@@ -84,13 +85,18 @@ def _binary(rule: Callable, reflected: bool = False) -> Callable:
 # --- rules: elements (numbers or Scalars, at least one Scalar) to element -------------------------------------------
 
 
-def expression(x: Any) -> Any:
-    """Return a Scalar's CasADi expression, a constant as float."""
-    return x.sx if type(x) is Scalar else float(x)
+def expression(x: Any) -> Node:
+    """Return a Scalar's node, that of a constant as float."""
+    return x.node if type(x) is Scalar else constant(x)
+
+
+def _operation(op: str, *elements: Any, boolean: bool = False) -> Scalar:
+    return Scalar(Node(op, *(expression(e) for e in elements)), boolean)
 
 
 def _constant(x: Any, value: float) -> bool:
-    return type(x) is not Scalar and x == value
+    """Whether an element is this constant, the sign of zero included."""
+    return type(x) is not Scalar and x == value and math.copysign(1.0, x) == math.copysign(1.0, value)
 
 
 def is_boolean(x: Any) -> bool:
@@ -98,113 +104,110 @@ def is_boolean(x: Any) -> bool:
     return x.boolean if type(x) is Scalar else isinstance(x, bool)
 
 
+def _traced(*elements: Any) -> bool:
+    return any(type(e) is Scalar for e in elements)
+
+
 def add(a: Any, b: Any) -> Any:
     """Sum of two elements."""
-    if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a + b
-        if a == 0 and not b.boolean:
-            return b
-    elif _constant(b, 0) and not a.boolean:
-        return a
-    return Scalar(expression(a) + expression(b))
+    if not _traced(a, b):
+        return a + b
+    if _constant(a, -0.0):  # x + 0.0 is not x when x is -0.0
+        return number(b)
+    return number(a) if _constant(b, -0.0) else _operation("add", a, b)
 
 
 def _subtract(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a - b
-        if a == 0:
-            return _negative(b)
-    elif _constant(b, 0) and not a.boolean:
-        return a
-    return Scalar(expression(a) - expression(b))
+    if not _traced(a, b):
+        return a - b
+    if _constant(a, -0.0):
+        return _negative(b)
+    return number(a) if _constant(b, 0.0) else _operation("subtract", a, b)
 
 
 def _multiply(a: Any, b: Any) -> Any:
+    if not _traced(a, b):
+        return a * b
     if type(a) is not Scalar:
-        if type(b) is not Scalar:
-            return a * b
         a, b = b, a
-    if type(b) is not Scalar:
-        if b == 0:
-            return False if a.boolean and isinstance(b, bool) else 0.0
-        if b == 1 and (not a.boolean or isinstance(b, bool)):
-            return a
-        if b == -1:
-            return _negative(a)
-    return Scalar(expression(a) * expression(b), is_boolean(a) and is_boolean(b))
+    if is_boolean(a) and is_boolean(b):
+        return _and(a, b)
+    if _constant(b, 1):
+        return number(a)
+    return _negative(a) if _constant(b, -1) else _operation("multiply", a, b)
 
 
 def _divide(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar and type(b) is not Scalar:
+    if not _traced(a, b):
         return fold(np.true_divide, a, b)
-    if _constant(a, 0):
-        return 0.0
-    if _constant(b, 1) and not a.boolean:
-        return a
-    return Scalar(expression(a) / expression(b))
+    return number(a) if _constant(b, 1) else _operation("divide", a, b)
 
 
 def _negative(a: Any) -> Any:
-    return Scalar(-a.sx) if type(a) is Scalar else -a
+    return _operation("negative", a) if type(a) is Scalar else -a
 
 
 def _power(a: Any, b: Any) -> Any:
     if type(b) is not Scalar:
-        known = {0: lambda: 1.0, 1: lambda: add(a, 0.0), 2: lambda: _multiply(a, a)}
-        known |= {0.5: lambda: Scalar(ca.sqrt(expression(a))), -1: lambda: _divide(1.0, a)}
+        known = {0: lambda: 1.0, 1: lambda: number(a), 2: lambda: _multiply(number(a), number(a))}
+        known |= {0.5: lambda: RULES[np.sqrt](a), -1: lambda: _divide(1.0, a)}
         if b in known:
             return known[b]()
-    return Scalar(ca.power(expression(a), expression(b)))
+    return _operation("pow", a, b)
 
 
-def _fmod(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.fmod(expression(a), expression(b)))
+def scalar_power(a: Any, b: Any) -> Any:
+    """``a ** b`` of NumPy's scalars, which is C's ``pow`` where that of arrays takes a square root."""
+    if type(a) is Scalar and _constant(b, 0.5):
+        return where(_equal(a, -math.inf), math.inf, RULES[np.fabs](RULES[np.sqrt](a)))
+    return _power(a, b)
+
+
+def _fmod(a: Any, b: Any) -> Any:
+    return _operation("fmod", a, b) if _traced(a, b) else fold(np.fmod, a, b)
+
+
+def _copysign(a: Any, b: Any) -> Any:
+    return _operation("copysign", a, b) if _traced(a, b) else fold(np.copysign, a, b)
+
+
+def _remainder(a: Any, b: Any) -> tuple[Any, Any, Any]:
+    """Return fmod(a, b), where it is not 0, and where it has not the sign of the divisor besides."""
+    m = _fmod(a, b)
+    some = _not_equal(m, 0.0)
+    return m, some, _and(some, _not_equal(_less(m, 0.0), _less(b, 0.0)))
 
 
 def _mod(a: Any, b: Any) -> Any:
     """Remainder with the sign of the divisor, as ``np.mod`` and Python's ``%``."""
-    m = _fmod(a, b)
-    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
-    return where(_and(_not_equal(m, 0.0), other_sign), add(m, b), m)
+    m, some, other_sign = _remainder(a, b)
+    result = where(some, where(other_sign, add(m, b), m), _copysign(0.0, b))
+    return where(_equal(b, 0.0), m, result)
 
 
 def _floor_divide(a: Any, b: Any) -> Any:
-    m = _fmod(a, b)
+    m, _, other_sign = _remainder(a, b)
     quotient = _divide(_subtract(a, m), b)
-    other_sign = _not_equal(_less(m, 0.0), _compare(np.less, _less, b, 0.0))
-    quotient = where(_and(_not_equal(m, 0.0), other_sign), _subtract(quotient, 1.0), quotient)
-    low = Scalar(ca.floor(expression(quotient)))
-    return where(_less(0.5, _subtract(quotient, low)), add(low, 1.0), low)
+    quotient = where(other_sign, _subtract(quotient, 1.0), quotient)
+    low = _operation("floor", quotient)
+    near = where(_less(0.5, _subtract(quotient, low)), add(low, 1.0), low)
+    whole = _divide(a, b)
+    near = where(_not_equal(quotient, 0.0), near, _copysign(0.0, whole))
+    return where(_equal(b, 0.0), whole, near)
 
 
-def _rint(a: Any) -> Any:
-    low = Scalar(ca.floor(a.sx))
-    part = _subtract(a, low)
-    even = _equal(_fmod(low, 2.0), 0.0)
-    down = _or(_less(part, 0.5), _and(_equal(part, 0.5), even))
-    return where(down, low, add(low, 1.0))
+def _sign(a: Any) -> Any:
+    return where(_less(0.0, a), 1.0, where(_less(a, 0.0), -1.0, where(_equal(a, 0.0), 0.0, a)))
 
 
-def _less(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.lt(expression(a), expression(b)), True)
+def _comparison(op: str, ufunc: np.ufunc) -> Callable:
+    return lambda a, b: _operation(op, a, b, boolean=True) if _traced(a, b) else fold(ufunc, a, b)
 
 
-def _less_equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.le(expression(a), expression(b)), True)
-
-
-def _equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.eq(expression(a), expression(b)), True)
-
-
-def _not_equal(a: Any, b: Any) -> Scalar:
-    return Scalar(ca.ne(expression(a), expression(b)), True)
-
-
-def _compare(ufunc: np.ufunc, rule: Callable, a: Any, b: Any) -> Any:
-    return rule(a, b) if Scalar in (type(a), type(b)) else fold(ufunc, a, b)
+_less = _comparison("less", np.less)
+_less_equal = _comparison("less_equal", np.less_equal)
+_equal = _comparison("equal", np.equal)
+_not_equal = _comparison("not_equal", np.not_equal)
 
 
 def _and(a: Any, b: Any) -> Any:
@@ -212,7 +215,7 @@ def _and(a: Any, b: Any) -> Any:
         a, b = b, a
     if type(b) is not Scalar:
         return truth(a) if b else False
-    return Scalar(ca.logic_and(a.sx, b.sx), True)
+    return _operation("and", a, b, boolean=True)
 
 
 def _or(a: Any, b: Any) -> Any:
@@ -220,11 +223,11 @@ def _or(a: Any, b: Any) -> Any:
         a, b = b, a
     if type(b) is not Scalar:
         return True if b else truth(a)
-    return Scalar(ca.logic_or(a.sx, b.sx), True)
+    return _operation("or", a, b, boolean=True)
 
 
 def _not(a: Any) -> Any:
-    return Scalar(ca.logic_not(a.sx), True) if type(a) is Scalar else not a
+    return _operation("not", a, boolean=True) if type(a) is Scalar else not a
 
 
 def truth(a: Any) -> Any:
@@ -242,31 +245,33 @@ def where(c: Any, a: Any, b: Any) -> Any:
     """Return ``a`` where ``c`` holds, else ``b``."""
     if type(c) is not Scalar:
         return a if c else b
-    both = is_boolean(a) and is_boolean(b)
-    if a is b or (type(a) is not Scalar and type(b) is not Scalar and a == b):
+    if a is b or (type(b) is not Scalar and _constant(a, b)):
         return a
+    both = is_boolean(a) and is_boolean(b)
     if both and a is True and b is False:
         return truth(c)
-    return Scalar(ca.if_else(c.sx, expression(a), expression(b)), both)
+    return _operation("where", c, a, b, boolean=both)
+
+
+def is_nan(a: Any) -> Any:
+    """Whether an element is no number."""
+    return _not_equal(a, a)
+
+
+# Which of two zeros of different sign is returned is not specified by NumPy; this is what it does on x86.
 
 
 def _maximum(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    take = _less(a, b) if type(b) is not Scalar else _or(_less(a, b), _not_equal(b, b))
-    return where(take, b, a)
+    return where(_or(_less(b, a), is_nan(a)), a, b)
 
 
 def _minimum(a: Any, b: Any) -> Any:
-    if type(a) is not Scalar:
-        a, b = b, a
-    take = _less(b, a) if type(b) is not Scalar else _or(_less(b, a), _not_equal(b, b))
-    return where(take, b, a)
+    return where(_or(_less(a, b), is_nan(a)), a, b)
 
 
 def _clip(x: Any, low: Any, high: Any) -> Any:
-    x = _maximum(x, low) if Scalar in (type(x), type(low)) else max(x, low)
-    return _minimum(x, high) if Scalar in (type(x), type(high)) else min(x, high)
+    x = where(_or(_less(x, low), is_nan(low)), low, x)
+    return where(_or(_less(high, x), is_nan(high)), high, x)
 
 
 def _logical(rule: Callable, name: str) -> Callable:
@@ -278,8 +283,20 @@ def _logical(rule: Callable, name: str) -> Callable:
     return checked
 
 
-def _plain(function: Callable) -> Callable:
-    return lambda *elements: Scalar(function(*[expression(e) for e in elements]))
+def _plain(op: str) -> Callable:
+    """Return the rule for a function of C."""
+
+    def rule(*elements: Any) -> Any:
+        if all(is_boolean(e) for e in elements):
+            refuse(f"NumPy computes {op} of truth values with 16 bits", "convert them, x.astype(float)")
+        return _operation(op, *elements)
+
+    return rule
+
+
+def _same_if_truth(rule: Callable) -> Callable:
+    """Return the rule for a function that gives back a truth value as it is."""
+    return lambda a: a if is_boolean(a) else rule(a)
 
 
 def _swapped(rule: Callable) -> Callable:
@@ -295,49 +312,22 @@ RULES: dict[np.ufunc, Callable] = {
     np.positive: lambda a: a,
     np.power: _power,
     np.float_power: _power,
-    np.square: lambda a: _multiply(a, a),
+    np.square: lambda a: _multiply(number(a), number(a)),
     np.reciprocal: lambda a: _divide(1.0, a),
     np.fmod: _fmod,
     np.remainder: _mod,
     np.floor_divide: _floor_divide,
-    np.absolute: _plain(ca.fabs),
-    np.fabs: _plain(ca.fabs),
-    np.sign: _plain(ca.sign),
-    np.copysign: _plain(ca.copysign),
-    np.floor: _plain(ca.floor),
-    np.ceil: _plain(ca.ceil),
-    np.trunc: lambda a: where(_less(a, 0.0), Scalar(ca.ceil(a.sx)), Scalar(ca.floor(a.sx))),
-    np.rint: _rint,
-    np.sqrt: _plain(ca.sqrt),
-    np.exp: _plain(ca.exp),
-    np.expm1: _plain(ca.expm1),
-    np.exp2: lambda a: Scalar(ca.power(2.0, a.sx)),
-    np.log: _plain(ca.log),
-    np.log1p: _plain(ca.log1p),
-    np.log2: lambda a: Scalar(ca.log(a.sx) / float(np.log(2.0))),
-    np.log10: _plain(ca.log10),
-    np.sin: _plain(ca.sin),
-    np.cos: _plain(ca.cos),
-    np.tan: _plain(ca.tan),
-    np.arcsin: _plain(ca.asin),
-    np.arccos: _plain(ca.acos),
-    np.arctan: _plain(ca.atan),
-    np.arctan2: _plain(ca.atan2),
-    np.sinh: _plain(ca.sinh),
-    np.cosh: _plain(ca.cosh),
-    np.tanh: _plain(ca.tanh),
-    np.arcsinh: _plain(ca.asinh),
-    np.arccosh: _plain(ca.acosh),
-    np.arctanh: _plain(ca.atanh),
-    np.hypot: _plain(ca.hypot),
+    np.absolute: _same_if_truth(_plain("fabs")),
+    np.sign: _sign,
+    np.floor: _same_if_truth(_plain("floor")),
+    np.ceil: _same_if_truth(_plain("ceil")),
+    np.trunc: _same_if_truth(_plain("trunc")),
     np.deg2rad: lambda a: _multiply(a, np.pi / 180.0),
     np.radians: lambda a: _multiply(a, np.pi / 180.0),
     np.rad2deg: lambda a: _multiply(a, 180.0 / np.pi),
     np.degrees: lambda a: _multiply(a, 180.0 / np.pi),
     np.maximum: _maximum,
     np.minimum: _minimum,
-    np.fmax: _plain(ca.fmax),
-    np.fmin: _plain(ca.fmin),
     np._core.umath.clip: _clip,
     np.less: _less,
     np.less_equal: _less_equal,
@@ -353,17 +343,47 @@ RULES: dict[np.ufunc, Callable] = {
     np.bitwise_or: _logical(_or, "|"),
     np.bitwise_xor: _logical(_xor, "^"),
     np.invert: _logical(_not, "~"),
-    np.isfinite: lambda a: Scalar(ca.le(ca.fabs(a.sx), _LARGEST), True),
-    np.isinf: lambda a: Scalar(ca.lt(_LARGEST, ca.fabs(a.sx)), True),
-    np.isnan: lambda a: Scalar(ca.ne(a.sx, a.sx), True),
+    np.isfinite: lambda a: _less_equal(RULES[np.absolute](a), _LARGEST),
+    np.isinf: lambda a: _less(_LARGEST, RULES[np.absolute](a)),
+    np.isnan: is_nan,
 }
+for _ufunc_, _op in {
+    np.fabs: "fabs",
+    np.copysign: "copysign",
+    np.rint: "rint",
+    np.sqrt: "sqrt",
+    np.exp: "exp",
+    np.expm1: "expm1",
+    np.exp2: "exp2",
+    np.log: "log",
+    np.log1p: "log1p",
+    np.log2: "log2",
+    np.log10: "log10",
+    np.sin: "sin",
+    np.cos: "cos",
+    np.tan: "tan",
+    np.arcsin: "asin",
+    np.arccos: "acos",
+    np.arctan: "atan",
+    np.arctan2: "atan2",
+    np.sinh: "sinh",
+    np.cosh: "cosh",
+    np.tanh: "tanh",
+    np.arcsinh: "asinh",
+    np.arccosh: "acosh",
+    np.arctanh: "atanh",
+    np.hypot: "hypot",
+    np.fmax: "fmax",
+    np.fmin: "fmin",
+}.items():
+    RULES[_ufunc_] = _plain(_op)
 
 for _name, _rule in {
     "add": add,
     "sub": _subtract,
     "mul": _multiply,
     "truediv": _divide,
-    "pow": _power,
+    "pow": scalar_power,
     "mod": _mod,
     "floordiv": _floor_divide,
     "and": RULES[np.bitwise_and],
@@ -395,4 +415,4 @@ def fold(ufunc: np.ufunc, *constants: Any) -> Any:
 
 def number(e: Any) -> Any:
     """Return an element as a number: a truth value is 0 or 1."""
-    return e if not is_boolean(e) else Scalar(e.sx) if type(e) is Scalar else float(e)
+    return e if not is_boolean(e) else Scalar(e.node) if type(e) is Scalar else float(e)

@@ -23,7 +23,7 @@ class Table:
         self.name = ""
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self.rows = np.array(rows, float)
-        if self.rows.ndim != 2 or self.rows.shape[1] != len(self.columns) or len(self.rows) < 2:
+        if not self.columns or self.rows.ndim != 2 or self.rows.shape[1] != len(self.columns) or len(self.rows) < 2:
             raise NavfmuError(
                 f"{self.place}: Table rows have shape {self.rows.shape}, expected at least 2 rows of "
                 f"{len(self.columns)} columns"
@@ -31,6 +31,13 @@ class Table:
         if not np.all(np.isfinite(self.rows)) or not np.all(np.diff(self.rows[:, 0]) > 0):
             raise NavfmuError(f"{self.place}: Table rows must be finite and their first column must increase")
         self.rows.setflags(write=False)
+
+        name, unit = self.columns[0]
+        if unit != "s":
+            raise NavfmuError(
+                f"{self.place}: the first column of a Table is the time in s, by which it is searched; '{name}' is in "
+                f"'{unit}' (np.interp searches by other quantities)"
+            )
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name

@@ -1,9 +1,9 @@
-"""Tracing: plain NumPy code, run once on symbolic numbers, becomes a CasADi expression.
+"""Tracing: plain NumPy code, run once on symbolic numbers, becomes a graph of operations.
 
 :class:`Traced` is an ``ndarray`` of dtype object whose elements are Python numbers (constants) or :class:`Scalar`
-(a ``casadi.SX`` of one element). It answers NumPy's own protocols, ``__array_ufunc__`` and ``__array_function__``, so
-a model that knows nothing of CasADi traces as it stands. Constants are folded here and CasADi's rewriting is off, so
-that a traced function does the operations of the NumPy code in the order of the NumPy code.
+(a node of the graph). It answers NumPy's own protocols, ``__array_ufunc__`` and ``__array_function__``, so a model that
+knows nothing of tracing traces as it stands. Constants are folded here and nothing else is rewritten, so that a traced
+function does the operations of the NumPy code in the order of the NumPy code.
 
 What cannot be traced (a value-dependent ``if``, ``float()``, ``math.sin``, a traced value stored in a float array)
 raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing becomes a silent NaN.
@@ -16,10 +16,23 @@ from contextlib import contextmanager
 from threading import RLock
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from navfmu.export.rules import RULES, Scalar, add, expression, fold, is_boolean, number, refuse, truth, where
+from navfmu.export import graph
+from navfmu.export.graph import Node
+from navfmu.export.rules import (
+    RULES,
+    Scalar,
+    add,
+    expression,
+    fold,
+    is_boolean,
+    number,
+    refuse,
+    scalar_power,
+    truth,
+    where,
+)
 
 
 def _unwrap(element: Any) -> Any:
@@ -224,6 +237,8 @@ def _np_clip(a: Any, a_min: Any = None, a_max: Any = None, out: Any = None, **kw
     a_min, a_max = kwargs.get("min", a_min), kwargs.get("max", a_max)
     if out is not None:
         refuse("np.clip(..., out=...) is not traced", "assign the result to a name")
+    if a_min is not None and a_max is not None:
+        return np._core.umath.clip(a, a_min, a_max)
     a = a if a_min is None else np.maximum(a, a_min)
     return a if a_max is None else np.minimum(a, a_max)
 
@@ -238,12 +253,21 @@ def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) 
 def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None) -> Any:
     if contains_traced(xp):
         refuse("np.interp needs constant abscissae", "look the row up with a Table")
-    xp, result = np.asarray(xp, float), fp[0] if left is None else left
+    xp, known = np.asarray(xp, float), not contains_traced(fp)
+    result = fp[0] if left is None else left
     for i in range(len(xp) - 1):
         slope = (fp[i + 1] - fp[i]) / (xp[i + 1] - xp[i])
-        result = np.where(x >= xp[i], slope * (x - xp[i]) + fp[i], result)
+        value = slope * (x - xp[i]) + fp[i]
+        if not (known and np.all(np.isfinite([fp[i], fp[i + 1], slope]))):  # NumPy then begins at the other end, too
+            other = slope * (x - xp[i + 1]) + fp[i + 1]
+            other = np.where(np.isnan(other) & (fp[i] == fp[i + 1]), fp[i], other)
+            value = np.where(np.isnan(value), other, value)
+        if not (known and fp[i]):
+            value = np.where(x == xp[i], fp[i], value)
+        result = np.where(x >= xp[i], value, result)
     result = np.where(x >= xp[-1], fp[-1], result)
-    return result if right is None else np.where(x > xp[-1], right, result)
+    result = result if right is None else np.where(x > xp[-1], right, result)
+    return result if len(xp) == 1 else np.where(np.isnan(x), x, result)
 
 
 def _np_full_like(a: Any, fill_value: Any, **_: Any) -> Any:
@@ -389,6 +413,11 @@ class Traced(np.ndarray):
             return _build(self.shape, [number(e) for e in elements])
         return np.trunc(self)
 
+    def __pow__(self, exponent: Any) -> Traced:
+        if self.ndim or np.ndim(exponent) or isinstance(exponent, Traced):
+            return np.power(self, exponent)
+        return _wrap(scalar_power(self._only(), _unwrap(exponent)))
+
     def dot(self, other: Any) -> Traced:
         """Matrix product."""
         return np.dot(self, other)
@@ -412,36 +441,23 @@ Scalar.__array_function__ = Traced.__array_function__
 _ARRAY = np.array
 
 
-def symbols(name: str, count: int, boolean: tuple[int, ...] = ()) -> tuple[ca.SX, Traced]:
-    """Return a CasADi column of ``count`` symbols, and the same as a traced array (truth values where told)."""
-    column = ca.SX.sym(name, count)
-    return column, _fill((count,), [Scalar(column[i], i in boolean) for i in range(count)])
+def symbols(vector: str, count: int, boolean: tuple[int, ...] = (), first: int = 0) -> Traced:
+    """Return ``count`` elements of a vector, from ``first`` on, as a traced array (truth values where told)."""
+    return _fill((count,), [Scalar(graph.element(vector, first + i), i in boolean) for i in range(count)])
 
 
-def expressions(array: Any) -> list[ca.SX]:
-    """Return the elements of an array, in C order, as CasADi expressions."""
-    return [ca.SX(expression(e)) for e in _object(array).ravel().tolist()]
+def expressions(array: Any) -> list[Node]:
+    """Return the nodes of the elements of an array, in C order."""
+    return [expression(e) for e in _object(array).ravel().tolist()]
 
 
 _GLOBAL = RLock()  # one thread at a time changes what belongs to the whole process, and changes it back
 
 
 @contextmanager
-def as_written() -> Iterator[None]:
-    """Keep CasADi from rewriting expressions that are made meanwhile (it would turn (x + y) - y into x)."""
-    with _GLOBAL:
-        rewriting = ca.GlobalOptions.getSimplificationOnTheFly()
-        try:
-            ca.GlobalOptions.setSimplificationOnTheFly(False)
-            yield
-        finally:
-            ca.GlobalOptions.setSimplificationOnTheFly(rewriting)
-
-
-@contextmanager
 def tracing() -> Iterator[None]:
-    """While tracing, ``np.array`` and its kin return traced arrays, and CasADi does not rewrite expressions."""
-    with _GLOBAL, _traced_arrays(), as_written():
+    """While tracing, ``np.array`` and its kin return traced arrays."""
+    with _GLOBAL, _traced_arrays():
         yield
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, description, interpreter, ir
+from navfmu.export import archive, description, interpreter, ir, life
 from navfmu.export.component import Component
 from navfmu.export.icon import icon
 from navfmu.export.imports import imports
@@ -90,8 +90,30 @@ if "_INTERPRETER" not in globals():
     _COMPONENT = getattr(_load({module!r}), {component!r})
 
 
+def _told(function):
+    """Tell on stderr what is refused: PythonFMU gives the reason only where the host asks for its log.
+
+    On any error it drops references that it drops once more when the instance is freed. So each is kept here twice:
+    one to be dropped, one to stay.
+    """
+
+    def call(self, *arguments):
+        try:
+            return function(self, *arguments)
+        except Exception as error:
+            if isinstance(error, _ERROR):
+                print(f"{self.instance_name}: {error}", file=_sys.stderr, flush=True)
+            globals()["_references"] += 2 * [self, type(self), self.log_queue]
+            raise
+
+    return call
+
+
 class {component}Slave(Fmi2Slave):
-    """What PythonFMU calls; all behaviour is the interpreter's."""
+    """What PythonFMU calls; all behaviour is the interpreter's.
+
+    PythonFMU knows two ways to refuse, and has no fmi2Error: a step is discarded, any other call is fatal.
+    """
 
     log_categories = {categories!r}
 
@@ -100,46 +122,63 @@ class {component}Slave(Fmi2Slave):
         self.modelName = {name!r}
         self.run = _INTERPRETER(_COMPONENT)
 
+    @_told
     def setup_experiment(self, start_time, stop_time, tolerance):
         self.run.setup_experiment(start_time, stop_time)
 
+    @_told
     def enter_initialization_mode(self):
         self.run.enter_initialization()
 
+    @_told
     def exit_initialization_mode(self):
-        try:
-            self.run.exit_initialization()
-        except _ERROR as error:  # PythonFMU tells the reason only where the host asks for its log
-            print(f"{self.instance_name}: {error}", file=_sys.stderr, flush=True)
-            raise
+        self.run.exit_initialization()
 
+    @_told
     def do_step(self, current_time, step_size):
         try:
             self.run.do_step(current_time, step_size)
+            return True
         except _ERROR as error:
             self.log(str(error), Fmi2Status.error, "logStatusError")
             return False
-        for event in self.run.events:
-            self.log(event, Fmi2Status.ok, "logEvents")
-        self.run.events.clear()
-        return True
+        finally:
+            for event in self.run.events:
+                self.log(event, Fmi2Status.ok, "logEvents")
+            self.run.events.clear()
 
+    @_told
     def terminate(self):
         self.run.terminate()
 
-    def _get(self, vrs):
-        return [self.run.get(vr) for vr in vrs]
+    @_told
+    def get_real(self, vrs):
+        return self.run.get_values("Real", vrs)
 
-    def _set(self, vrs, values):
-        for vr, value in zip(vrs, values):
-            self.run.set(vr, value)
+    @_told
+    def get_integer(self, vrs):
+        return self.run.get_values("Integer", vrs)
 
-    get_real = get_integer = get_boolean = _get
-    set_real = set_integer = set_boolean = _set
+    @_told
+    def get_boolean(self, vrs):
+        return self.run.get_values("Boolean", vrs)
+
+    @_told
+    def set_real(self, vrs, values):
+        self.run.set_values("Real", vrs, values)
+
+    @_told
+    def set_integer(self, vrs, values):
+        self.run.set_values("Integer", vrs, values)
+
+    @_told
+    def set_boolean(self, vrs, values):
+        self.run.set_values("Boolean", vrs, values)
 
     def _get_fmu_state(self):
         return self.run.get_state()
 
+    @_told
     def _set_fmu_state(self, state):
         self.run.set_state(state)
 '''
@@ -213,7 +252,7 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
         raise NavfmuError(
             f"component {component.__qualname__} has a Python twin only if its class stands at the top of a module"
         )
-    categories = description.CATEGORIES
+    categories = life.categories()
     text = module_text(component, "", categories)
     guid = archive.guid(text, description.describe(model, ""), pythonfmu.__version__)
     unique = f"{model.name}_{guid[1:-1].replace('-', '')[:16]}"

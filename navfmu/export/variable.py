@@ -51,14 +51,41 @@ class Variable:
             self.fail("fault=True is for inputs")
         self.kind, self.min, self.max, self.nominal = kind, min, max, nominal
         self.display_unit, self.description, self.fault, self.tunable = display_unit, description, fault, tunable
-        start = 0 if start is None else start
+        self.start = self._numbers("start", 0 if start is None else start)
+        self._check_range()
+        if nominal is not None and not np.all(self._numbers("nominal", nominal) > 0):
+            self.fail(f"nominal is {nominal}, expected a positive number")
+
+    def _numbers(self, what: str, value: Any) -> np.ndarray:
+        """Return one number for each element, flat: finite, and such as a variable of this kind can hold."""
         try:
-            self.start = np.broadcast_to(np.asarray(start, float), self.shape).ravel()
+            numbers = np.asarray(value, float)
+        except (TypeError, ValueError):
+            self.fail(f"{what} is {value!r}, expected a number, or numbers of shape {self.shape}")
+        try:
+            numbers = np.broadcast_to(numbers, self.shape).ravel()
         except ValueError:
-            self.fail(f"start has shape {np.shape(start)}, expected {self.shape}")
-        for bound in (min, max):
-            if bound is not None and np.shape(bound) not in ((), self.shape):
-                self.fail(f"a bound has shape {np.shape(bound)}, expected a number or {self.shape}")
+            self.fail(f"{what} has shape {numbers.shape}, expected a number or {self.shape}")
+        if not np.all(np.isfinite(numbers)):
+            self.fail(f"{what} is {value}, expected a finite number; leave out a bound that there is not")
+        if self.kind == "integer" and not np.all((numbers == np.floor(numbers)) & (np.abs(numbers) < 2**31)):
+            self.fail(f"{what} is {value}, expected a whole number of 32 bits")
+        if self.kind == "boolean" and not np.all((numbers == 0) | (numbers == 1)):
+            self.fail(f"{what} is {value}, expected True or False")
+        return numbers
+
+    def _check_range(self) -> None:
+        """Refuse a range that is none, and start values outside it."""
+        if self.kind == "boolean" and not self.min is self.max is None:
+            self.fail("a boolean has no min and no max")
+        low = -np.inf if self.min is None else self._numbers("min", self.min)
+        high = np.inf if self.max is None else self._numbers("max", self.max)
+        if np.any(low > high):
+            self.fail(f"min is {self.min} and max is {self.max}, expected a max of at least min")
+        for which, wrong in (("below its min", self.start < low), ("above its max", self.start > high)):
+            if np.any(wrong):
+                bound = self.min if which == "below its min" else self.max
+                self.fail(f"start is {self.start[wrong][0]:g}, which is {which}, {bound}")
 
     def fail(self, what: str) -> NoReturn:
         """Raise the error for this declaration."""

@@ -51,10 +51,9 @@ def open_archive(path: Path, kind: str) -> zipfile.ZipFile:
 
 def read_entry(archive: zipfile.ZipFile, name: str, path: Path, limit: int = 64 * 1024**2) -> bytes:
     """One entry of an archive as bytes; at most ``limit`` of them."""
-    try:
-        info = archive.getinfo(name)
-    except KeyError:
-        raise NavfmuError(f"{path}: has no {name}") from None
+    info = entries(archive, path).get(name)
+    if info is None:
+        raise NavfmuError(f"{path}: has no {name}")
     try:
         with archive.open(info) as source:
             data = source.read(limit + 1)
@@ -65,28 +64,46 @@ def read_entry(archive: zipfile.ZipFile, name: str, path: Path, limit: int = 64 
     return data
 
 
-def check_entries(archive: zipfile.ZipFile, path: Path) -> list[zipfile.ZipInfo]:
-    """The files of an archive, after refusing names and sizes that no honest archive has."""
-    entries = archive.infolist()
-    if len(entries) > MAX_FILES:
-        raise NavfmuError(f"{path}: holds {len(entries)} entries, at most {MAX_FILES} are accepted")
-    total = sum(entry.file_size for entry in entries)
+def entries(archive: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
+    """The files of an archive by their plain names, after refusing names and sizes that no honest archive has.
+
+    "./a" and "a" are one name, and so are "a\\b" and "a/b".
+    """
+    listed = archive.infolist()
+    if len(listed) > MAX_FILES:
+        raise NavfmuError(f"{path}: holds {len(listed)} entries, at most {MAX_FILES} are accepted")
+    total = sum(entry.file_size for entry in listed)
     if total > MAX_BYTES:
         raise NavfmuError(f"{path}: would unpack to {total} bytes, at most {MAX_BYTES} are accepted")
+    files: dict[str, zipfile.ZipInfo] = {}
     seen: set[str] = set()
-    for entry in entries:
+    for entry in listed:
         # zipfile itself cuts a name at a NUL and turns the platform's separator into "/"
-        name = entry.filename
+        name = entry.filename.replace("\\", "/")
         parts = PurePosixPath(name).parts
-        if not parts or name.startswith("/") or "\\" in name or ":" in name or ".." in parts:
-            raise NavfmuError(f"{path}: entry {name!r} would be written outside its folder")
+        folder = name.endswith("/")
+        if name.startswith("/") or ":" in name or ".." in parts or not (parts or folder):
+            raise NavfmuError(f"{path}: entry {entry.filename!r} would be written outside its folder")
         if stat.S_ISLNK(entry.external_attr >> 16):
-            raise NavfmuError(f"{path}: entry {name!r} is a symbolic link, which is not accepted")
-        folded = name.rstrip("/").casefold()
-        if folded in seen:
-            raise NavfmuError(f"{path}: entry {name!r} appears twice")
-        seen.add(folded)
-    return [entry for entry in entries if not entry.is_dir()]
+            raise NavfmuError(f"{path}: entry {entry.filename!r} is a symbolic link, which is not accepted")
+        plain = "/".join(parts)
+        if plain.casefold() in seen:
+            raise NavfmuError(f"{path}: entry {entry.filename!r} appears twice")
+        seen.add(plain.casefold())
+        if not folder:
+            files[plain] = entry
+    return files
+
+
+def habits(archive: zipfile.ZipFile) -> list[str]:
+    """What the names in an archive have that they should not have, in sentences."""
+    names = archive.namelist()
+    found = []
+    if any(name.startswith("./") for name in names):
+        found.append("names in the archive begin with './'")
+    if any("\\" in name for name in names):
+        found.append("names in the archive have '\\' between folders, expected '/'")
+    return found
 
 
 def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = lambda name: True) -> Path:
@@ -95,16 +112,15 @@ def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = l
     def fill(folder: Path) -> None:
         with open_archive(path, kind) as archive:
             budget = MAX_BYTES
-            for entry in check_entries(archive, path):
-                if wanted(entry.filename):
-                    budget -= _extract(archive, entry, folder, path, budget)
+            for name, entry in entries(archive, path).items():
+                if wanted(name):
+                    budget -= _extract(archive, entry, folder / name, path, budget)
         check_unchanged(path, digest)
 
     return cache.keep({"FMU": "unpacked", "SSP": "systems"}[kind], digest[:32], fill)
 
 
-def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, path: Path, budget: int) -> int:
-    target = folder.joinpath(*PurePosixPath(entry.filename).parts)
+def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, target: Path, path: Path, budget: int) -> int:
     written = 0
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -117,5 +133,5 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, pat
     except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, NotImplementedError) as error:
         raise NavfmuError(f"{path}: entry {entry.filename} is corrupt: {error}") from None
     except OSError as error:
-        raise NavfmuError(f"{path}: cannot be unpacked to {folder}: {error.strerror or error}") from None
+        raise NavfmuError(f"{path}: cannot be unpacked to {target}: {error.strerror or error}") from None
     return written

@@ -9,18 +9,19 @@ from __future__ import annotations
 import json
 import platform
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
 from navfmu.files import cache
-from navfmu.files.archive import check_entries, open_archive, unpack
+from navfmu.files.archive import entries, open_archive, unpack
 from navfmu.files.digest import check_unchanged, content_hash
 from navfmu.fmi.description import Description
 from navfmu.fmi.reading import read
 
-FORMAT = 3  # of the cached descriptions; raise it when their content changes
+FORMAT = 6  # of the cached descriptions; raise it when their content changes
 _memory: dict[tuple[str, int, int], Fmu] = {}
 
 
@@ -77,8 +78,13 @@ def binaries(path: str | Path) -> list[str]:
     """The platforms for which an FMU holds a library, by their folder names."""
     path = Path(path)
     with open_archive(path, "FMU") as archive:
-        names = [entry.filename.split("/") for entry in check_entries(archive, path)]
-        return sorted({parts[1] for parts in names if len(parts) > 2 and parts[0] == "binaries" and parts[2]})
+        return sorted({platform for platform, _ in _libraries(entries(archive, path))})
+
+
+def _libraries(names: Iterable[str]) -> list[tuple[str, str]]:
+    """Platform and file name of everything under ``binaries``."""
+    parts = [name.split("/") for name in names]
+    return [(found[1], "/".join(found[2:])) for found in parts if len(found) > 2 and found[0] == "binaries"]
 
 
 def _identity(path: Path) -> tuple[str, int, int] | None:
@@ -102,12 +108,17 @@ def _library(path: Path, folder: Path, description: Description) -> Path:
         library = folder / "binaries" / name / (description.model_identifier + library_suffix())
         if library.is_file():
             return library
-    found = binaries(path)
-    has = ", ".join(found) if found else "none at all"
-    raise NavfmuError(
-        f"{path}: has no binary for this machine ({platforms()[0]}, {description.model_identifier}{library_suffix()}); "
-        f"it has: {has}"
-    )
+    with open_archive(path, "FMU") as archive:
+        there = _libraries(entries(archive, path))
+    wanted = description.model_identifier + library_suffix()
+    others = [f"{name}/{file}" for name, file in there if name in platforms() and file.endswith(library_suffix())]
+    if others:
+        raise NavfmuError(
+            f"{path}: has no binary {wanted} for this machine ({platforms()[0]}), but there is binaries/"
+            f"{', binaries/'.join(others)}: expected the name that modelIdentifier says"
+        )
+    has = ", ".join(sorted({name for name, _ in there})) or "none at all"
+    raise NavfmuError(f"{path}: has no binary for this machine ({platforms()[0]}, {wanted}); it has: {has}")
 
 
 def _describe(path: Path, digest: str) -> Description:

@@ -60,6 +60,11 @@ def typed(description: Description, variable: Variable, value: Any, what: str) -
         return value
     if variable.type == "Boolean":
         return _boolean(value, what)
+    items = description.items(variable)
+    if isinstance(value, str) and _NUMBER.match(value) is None and items:
+        if value.strip() not in items:
+            raise NavfmuError(f"{what}: expected one of {', '.join(items)}{nearest(value, items)}")
+        return items[value.strip()]
     number = quantity(description, variable, value, what)
     if variable.type == "Integer":
         if not math.isfinite(number) or number != math.floor(number) or not -(2**31) <= number < 2**31:

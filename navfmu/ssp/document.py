@@ -11,7 +11,9 @@ NAMESPACES = {
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
     "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
+OSP, OMS = "com.opensimulationplatform", "org.openmodelica"  # types of annotations: libcosim's and OMSimulator's
 MAIN = "SystemStructure.ssd"
 RESOURCES = "resources"
 PARAMETER_SET = "initialValues"  # hosts apply one set by name to all components: ours all have this one

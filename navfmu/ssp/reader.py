@@ -1,24 +1,28 @@
 """Reads systems: SSP 1.0 packages, folders and single SSD files, with parameter sets and mappings.
 
-Everything in the documents either takes effect, or is an error, or is listed in ``Structure.ignored``.
+Everything in the documents either takes effect, or is an error, or is listed in ``Structure.ignored``. What is not as
+SSP has it, but clear all the same, is read and listed in ``Structure.lenient``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.files.archive import unpack
+from navfmu.files.archive import habits, open_archive, unpack
 from navfmu.files.digest import content_hash
 from navfmu.files.markup import parse, validate
 from navfmu.fmi.units import BASE, Unit
-from navfmu.ssp.document import MAIN, NAMESPACES, schema
+from navfmu.ssp.document import MAIN, NAMESPACES, OMS, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
 
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
+UNSAID = ""  # the kind of a connector that only a connection names
+MASTER = "ssd:Annotations/ssc:Annotation//oms:FixedStepMaster"
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 
 
@@ -64,20 +68,23 @@ class _Reader:
         self.origin, self.folder, self.file, self.find = origin, folder, file, find
         self.ignored: list[str] = []
         self.notes: list[str] = []
+        self.lenient: list[str] = []
         self.units: dict[str, Unit] = {}
+        self.enumerations: dict[str, dict[str, int]] = {}
 
     def read(self) -> Structure:
-        label = self._label(self.file)
+        if self.origin.is_file() and self.origin != self.file:
+            with open_archive(self.origin, "SSP") as archive:
+                self.lenient += [f"{self.origin}: {habit}" for habit in habits(archive)]
         root = self._parse(self.file, "SystemStructureDescription", "ssd")
-        if not str(root.get("version", "")).startswith("1."):
-            raise NavfmuError(f"{label}: version is {root.get('version')}, expected 1.0")
         system = root.find("ssd:System", NAMESPACES)
         self.units = _units(root.find("ssd:Units", NAMESPACES))
+        self.enumerations = _enumerations(root.find("ssd:Enumerations", NAMESPACES))
         self._note_unused(root, system)
         components = self._components(system)
         self._system_settings(system, components)
         connections = self._connections(system, components)
-        stop_time, step = self._experiment(root)
+        stop_time, step = self._experiment(root, system)
         return Structure(
             name=root.get("name") or system.get("name"),
             description=system.get("description") or root.get("description") or "",
@@ -89,6 +96,7 @@ class _Reader:
             step=step,
             ignored=self.ignored,
             notes=self.notes,
+            lenient=self.lenient,
         )
 
     # -- files -------------------------------------------------------------------------------------------------
@@ -107,11 +115,16 @@ class _Reader:
             data = file.read_bytes()
         except OSError as error:
             raise NavfmuError(f"{label}: cannot be read: {error.strerror or error}") from None
-        root = parse(data, label)
+        root = parse(data, label, self.lenient, NAMESPACES)
         expected = {"ssd": "SystemStructureDescription", "ssv": "ParameterSet", "ssm": "ParameterMapping"}[prefix]
         if root.tag != f"{{{NAMESPACES[prefix]}}}{expected}":
             raise NavfmuError(f"{label}: expected <{prefix}:{expected}> of SSP 1.0, found <{root.tag}>")
-        validate(root, schema(rules), label)
+        version = root.get("version", "1.0")
+        if not version.startswith("1."):
+            raise NavfmuError(
+                f"{label}: is for SSP {version}, expected SSP 1.0: documents of SSP 2.0 cannot be read yet"
+            )
+        validate(root, schema(rules), label, self.lenient)
         return root
 
     def _resolve(self, source: str, where: str) -> Path:
@@ -130,15 +143,18 @@ class _Reader:
     def _note_unused(self, root: Any, system: Any) -> None:
         label = self._label(self.file)
         checks = (
-            (root, "ssd:Enumerations", "enumeration definitions"),
             (root, "ssd:Annotations", "annotations of the document"),
-            (system, "ssd:Annotations", "annotations of the system"),
             (system, "ssd:SignalDictionaries", "signal dictionaries"),
         )
         for parent, path, what in checks:
             found = parent.find(path, NAMESPACES)
             if found is not None:
                 self.ignored.append(f"{label}, line {found.sourceline}: {what}")
+        for annotation in system.iterfind("ssd:Annotations/ssc:Annotation", NAMESPACES):
+            if annotation.get("type") != OMS or annotation.find(".//oms:FixedStepMaster", NAMESPACES) is None:
+                self.ignored.append(
+                    f"{label}, line {annotation.sourceline}: annotation '{annotation.get('type')}' of the system"
+                )
         for connector in system.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
             self.ignored.append(
                 f"{label}, line {connector.sourceline}: root connector '{connector.get('name')}' "
@@ -195,13 +211,25 @@ class _Reader:
         return Component(element.get("name"), path, connectors, settings, where, element.get("description") or "")
 
     def _connector(self, item: Any, where: str) -> Connector:
-        name, kind, unit = item.get("name"), None, None
+        name, kind, unit, items = item.get("name"), None, None, None
         for candidate in TYPES:
             found = item.find(f"ssc:{candidate}", NAMESPACES)
             if found is not None:
                 kind = candidate
                 unit = self._unit(found.get("unit"))
-        return Connector(name, item.get("kind"), kind, unit)
+                items = self._items(kind, found.get("name"), f"{where}: connector '{name}'")
+        return Connector(name, item.get("kind"), kind, unit, items)
+
+    def _items(
+        self, kind: str, name: str | None, where: str, known: Mapping[str, dict[str, int]] | None = None
+    ) -> dict[str, int] | None:
+        """The items of the enumeration that a connector or a parameter names."""
+        if kind != "Enumeration" or not name:
+            return None
+        known = self.enumerations | (known or {})
+        if name not in known:
+            self.lenient.append(f"{where}: the enumeration '{name}' is not defined{nearest(name, known)}")
+        return known.get(name)
 
     def _unit(self, name: str | None) -> Unit | None:
         if not name:
@@ -220,7 +248,7 @@ class _Reader:
                 self.ignored.append(f"{where} of a root connector")
                 continue
             ends = [self._end(element, which, components, where) for which in ("start", "end")]
-            if ends[0][2] == "input" and ends[1][2] == "output":
+            if ends[0][2] in ("input", UNSAID) and ends[1][2] in ("output", UNSAID) and ends[0][2] != ends[1][2]:
                 ends.reverse()  # SSP 1.0 does not say which end is the source; the kinds do
             start, end = (ends[0][:2], ends[1][:2])
             if end in taken:
@@ -237,7 +265,8 @@ class _Reader:
             raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, components)}")
         connectors = components[component].connectors
         if name not in connectors:
-            raise NavfmuError(f"{where}: component '{component}' has no connector '{name}'{nearest(name, connectors)}")
+            self.lenient.append(f"{where}: component '{component}' does not list a connector '{name}'")
+            connectors[name] = Connector(name, UNSAID, None, None)
         return component, name, connectors[name].kind
 
     # -- values --------------------------------------------------------------------------------------------------
@@ -250,9 +279,7 @@ class _Reader:
                 if component not in components or not name:
                     self.ignored.append(f"{setting.where}: parameter '{setting.name}' matches no component")
                     continue
-                components[component].settings.append(
-                    Setting(name, setting.type, setting.value, setting.unit, setting.where)
-                )
+                components[component].settings.append(replace(setting, name=name))
 
     def _binding(self, binding: Any, component: Path | None) -> list[Setting]:
         where = f"{self._label(self.file)}, line {binding.sourceline}: parameter binding"
@@ -269,7 +296,7 @@ class _Reader:
             root, label = self._parse(file, "SystemStructureParameterValues", "ssv"), self._label(file)
         elif inline is not None:
             root, label = inline, self._label(self.file)
-            validate(root, schema("SystemStructureParameterValues"), label)
+            validate(root, schema("SystemStructureParameterValues"), label, self.lenient)
         else:
             raise NavfmuError(f"{where}: has neither a source nor inline values")
         settings = self._settings(root, label, binding.get("prefix") or "")
@@ -278,6 +305,7 @@ class _Reader:
 
     def _settings(self, root: Any, label: str, prefix: str) -> list[Setting]:
         units = _units(root.find("ssv:Units", NAMESPACES))
+        enumerations = _enumerations(root.find("ssv:Enumerations", NAMESPACES))
         settings = []
         for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
             where = f"{label}, line {parameter.sourceline}"
@@ -288,7 +316,15 @@ class _Reader:
                 raise NavfmuError(f"{where}: parameter '{name}' is Binary, which is not supported")
             unit = value.get("unit")
             definition = (units.get(unit) or self.units.get(unit) or Unit(unit)) if unit else None
-            settings.append(Setting(name, kind, _typed(kind, value.get("value")), definition, where))
+            typed = _typed(kind, value.get("value"))
+            items = self._items(kind, value.get("name"), f"{where}: parameter '{name}'", enumerations)
+            if items is not None:
+                if typed not in items:
+                    raise NavfmuError(
+                        f"{where}: parameter '{name}' is '{typed}', expected one of {', '.join(items)}"
+                        f"{nearest(typed, items)}"
+                    )
+            settings.append(Setting(name, kind, typed, definition, where, items=items))
         return settings
 
     def _mapped(self, settings: list[Setting], element: Any, where: str) -> list[Setting]:
@@ -300,7 +336,7 @@ class _Reader:
             root, label = self._parse(file, "SystemStructureParameterMapping", "ssm"), self._label(file)
         elif inline is not None:
             root, label = inline, self._label(self.file)
-            validate(root, schema("SystemStructureParameterMapping"), label)
+            validate(root, schema("SystemStructureParameterMapping"), label, self.lenient)
         else:
             raise NavfmuError(f"{where}: its parameter mapping has neither a source nor inline entries")
         by_name = {setting.name: setting for setting in settings}
@@ -317,20 +353,35 @@ class _Reader:
         self.ignored.sort()
         return mapped
 
-    def _experiment(self, root: Any) -> tuple[float | None, float | None]:
+    def _experiment(self, root: Any, system: Any) -> tuple[float | None, float | None]:
+        """Stop time and step (s); the step as libcosim reads it, or else as OMSimulator does."""
         experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
         if experiment is None:
-            return None, None
-        stop = experiment.get("stopTime")
-        if float(experiment.get("startTime", 0.0)) != 0.0:
+            experiment = {}
+        elif float(experiment.get("startTime", 0.0)) != 0.0:
             where = f"{self._label(self.file)}, line {experiment.sourceline}"
             self.ignored.append(f"{where}: startTime {experiment.get('startTime')}: runs start at 0 s")
-        algorithm = experiment.find(".//osp:FixedStepAlgorithm", NAMESPACES)
-        step = algorithm.get("baseStepSize") if algorithm is not None else None
+        stop = experiment.get("stopTime")
+        algorithm, master = root.find(".//osp:FixedStepAlgorithm", NAMESPACES), system.find(MASTER, NAMESPACES)
+        name, step = "", None
+        if algorithm is not None:
+            name, step = "baseStepSize", algorithm.get("baseStepSize")
+        elif master is not None:
+            name, step = "stepSize", master.get("stepSize")
         try:
             return (float(stop) if stop else None), (float(step) if step else None)
         except ValueError:
-            raise NavfmuError(f"{self._label(self.file)}: baseStepSize '{step}' is not a number") from None
+            raise NavfmuError(f"{self._label(self.file)}: {name} '{step}' is not a number") from None
+
+
+def _enumerations(element: Any) -> dict[str, dict[str, int]]:
+    """The items of enumerations by their names."""
+    return {
+        enumeration.get("name"): {
+            item.get("name"): int(item.get("value")) for item in enumeration.iterfind("ssc:Item", NAMESPACES)
+        }
+        for enumeration in (element.iterfind("ssc:Enumeration", NAMESPACES) if element is not None else ())
+    }
 
 
 def _units(element: Any) -> dict[str, Unit]:
@@ -378,7 +429,8 @@ def _map(setting: Setting, entry: Any, where: str) -> Setting:
             raise NavfmuError(f"{where}: a LinearTransformation needs a number, '{setting.name}' is {setting.type}")
         factor, offset = float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
         return Setting(entry.get("target"), setting.type, value, unit, where, factor, offset)
-    if found is not None and found[0] in ("BooleanMapping", "IntegerMapping"):
+    items = setting.items
+    if found is not None:
         kind = found[0].removesuffix("Mapping")
         table = {
             _typed(kind, item.get("source")): _typed(kind, item.get("target"))
@@ -386,7 +438,5 @@ def _map(setting: Setting, entry: Any, where: str) -> Setting:
         }
         if value not in table:
             raise NavfmuError(f"{where}: the value {value} of '{setting.name}' has no entry in its {found[0]}")
-        value = table[value]
-    elif found is not None:
-        raise NavfmuError(f"{where}: {found[0]}Transformation is not supported")
-    return Setting(entry.get("target"), setting.type, value, unit, where)
+        value, items = table[value], None
+    return Setting(entry.get("target"), setting.type, value, unit, where, items=items)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from navfmu.fmi.units import Unit
 class Setting:
     """A value for one variable of a component; ``unit`` is None where the file gives none.
 
-    The variable becomes ``factor * value + offset``, after conversion of the value to the variable's unit.
+    The variable becomes ``factor * value + offset``, after conversion of the value to the variable's unit. The value of
+    an enumeration is the name of an item; ``items`` has their numbers, or is None where the document leaves them to the
+    FMU.
     """
 
     name: str
@@ -22,16 +25,18 @@ class Setting:
     where: str  # "imu.ssv, line 7"
     factor: float = 1.0
     offset: float = 0.0
+    items: Mapping[str, int] | None = None
 
 
 @dataclass(frozen=True)
 class Connector:
-    """A connector of a component; type and unit are None where the document leaves them to the FMU."""
+    """A connector of a component; type, unit and items are None where the document leaves them to the FMU."""
 
     name: str
     kind: str
     type: str | None
     unit: Unit | None
+    items: Mapping[str, int] | None = None  # of an enumeration: their values
 
 
 @dataclass(frozen=True)
@@ -75,3 +80,4 @@ class Structure:
     step: float | None
     ignored: list[str] = field(default_factory=list)  # what stands in the documents and has no effect here
     notes: list[str] = field(default_factory=list)
+    lenient: list[str] = field(default_factory=list)  # what is not as SSP has it, and was read all the same

@@ -29,7 +29,7 @@ from navfmu.fmi.fmu import describe
 from navfmu.fmi.names import members
 from navfmu.fmi.units import BASE, Unit
 from navfmu.fmi.values import expand
-from navfmu.ssp.document import MAIN, NAMESPACES, PARAMETER_SET, RESOURCES
+from navfmu.ssp.document import MAIN, NAMESPACES, OMS, OSP, PARAMETER_SET, RESOURCES
 
 
 @dataclass
@@ -262,7 +262,7 @@ class SystemSource:
                 "ssd:SystemStructureDescription",
                 version="1.0",
                 name=f"{self.name}_{variant}" if variant else self.name,
-                **_xmlns("osp", "ssc", "ssd"),
+                **_xmlns("oms", "osp", "ssc", "ssd"),
             ),
             "  " + _open("ssd:System", name=self.name, description=special.description or self._base.description),
             "    <ssd:Elements>",
@@ -280,6 +280,9 @@ class SystemSource:
                 }  # fmt: skip
                 lines.append("      " + _open("ssd:Connection", close=True, **connection))
             lines.append("    </ssd:Connections>")
+        if step is not None:
+            suggested = (self._describe(path).tolerance for path in self._components(variant).values())
+            lines += _simulation(step, min((t for t in suggested if t is not None), default=1e-6))
         lines.append("  </ssd:System>")
         lines += _unit_lines("ssd:Units", units)
         if stop_time is not None or step is not None:
@@ -403,6 +406,25 @@ def _unit_lines(element: str, units: dict[str, Unit]) -> list[str]:
     return [*lines, f"  </{element}>"]
 
 
+def _simulation(step: float, tolerance: float) -> list[str]:
+    """The annotation of the system with which OMSimulator's command line runs it.
+
+    Without a tolerance it would give FMUs one of 0.
+    """
+    master = {"description": "oms-ma", "stepSize": repr(float(step)), "relativeTolerance": repr(float(tolerance))}
+    return [
+        "    <ssd:Annotations>",
+        f'      <ssc:Annotation type="{OMS}">',
+        "        <oms:Annotations>",
+        "          <oms:SimulationInformation>",
+        "            " + _open("oms:FixedStepMaster", close=True, **master),
+        "          </oms:SimulationInformation>",
+        "        </oms:Annotations>",
+        "      </ssc:Annotation>",
+        "    </ssd:Annotations>",
+    ]
+
+
 def _experiment(stop_time: float | None, step: float | None) -> list[str]:
     """Start and stop time; the step stands in the annotation that libcosim reads."""
     attributes = {"startTime": "0.0"} | ({} if stop_time is None else {"stopTime": repr(float(stop_time))})
@@ -411,7 +433,7 @@ def _experiment(stop_time: float | None, step: float | None) -> list[str]:
     return [
         "  " + _open("ssd:DefaultExperiment", **attributes),
         "    <ssd:Annotations>",
-        '      <ssc:Annotation type="com.opensimulationplatform">',
+        f'      <ssc:Annotation type="{OSP}">',
         "        <osp:Algorithm>",  # libcosim takes an attribute here for the algorithm's name
         "          " + _open("osp:FixedStepAlgorithm", close=True, baseStepSize=repr(float(step))),
         "        </osp:Algorithm>",

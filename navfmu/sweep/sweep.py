@@ -99,9 +99,13 @@ def _run_all(
     """All runs in threads, the longest first; the compiled loop leaves the interpreter free."""
     steps = {key: round(run.stop / run.step) for key, run in runs.items()}
     board = Board(sum(steps.values()), None if progress is None else lambda done, all_, _: progress(done, all_))
+    system = next(iter(runs.values())).system
+    if any(about.only_one_instance for about in system.descriptions.values()):
+        jobs = 1  # one process, one instance
     order = sorted(runs, key=lambda key: -steps[key])
     frames = dict(in_threads(order, lambda key: runs[key].run(board.of(key, steps[key])), jobs, board))
-    return {key: frames[key] for key in runs}
+    rows = min(len(frame) for frame in frames.values())  # fewer where an FMU has ended a run
+    return {key: frames[key].iloc[:rows] for key in runs}
 
 
 def _checked_steps(steps: Sequence[float]) -> list[float]:

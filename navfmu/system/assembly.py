@@ -14,7 +14,7 @@ from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.toml import Document, read_text
 from navfmu.fmi import names
-from navfmu.fmi.description import Description, Variable
+from navfmu.fmi.description import Description, Variable, refuse_lenient
 from navfmu.fmi.fmu import Fmu, load
 from navfmu.fmi.units import Unit, conversion
 from navfmu.fmi.values import checked
@@ -38,26 +38,34 @@ class Assembly:
     variant: str | None = None
 
     @classmethod
-    def load(cls, path: str | Path, variant: str | None = None) -> Self:
-        """Load an .ssp, a folder with SystemStructure.ssd, an .ssd, one .fmu, or a shipped system by its name."""
+    def load(cls, path: str | Path, variant: str | None = None, *, strict: bool = False) -> Self:
+        """Load an .ssp, a folder with SystemStructure.ssd, an .ssd, one .fmu, or a shipped system by its name.
+
+        What is not as FMI and SSP have it, but clear all the same, is read with a note; ``strict`` refuses it.
+        """
         file = shipped.system(str(path))
         if file.suffix.lower() == ".fmu":
             if variant is not None:
                 raise NavfmuError(f"{file}: a single FMU has no variants")
-            return cls.of(_single(file))
-        return cls.of(reader.read(file, variant, shipped.find), variant)
+            loaded = cls.of(_single(file))
+        else:
+            loaded = cls.of(reader.read(file, variant, shipped.find), variant)
+        if strict:
+            refuse_lenient(str(file), loaded.lenient)
+        return loaded
 
     @classmethod
     def of(cls, structure: Structure, variant: str | None = None) -> Self:
         """Open the FMUs of a structure and check that everything in it fits them."""
         fmus = {name: _open(component, structure) for name, component in structure.components.items()}
         for name, component in structure.components.items():
-            _check_connectors(component, fmus[name])
+            _check_connectors(component, fmus[name], structure.lenient)
+        links = tuple(_link(connection, structure, fmus) for connection in structure.connections)
+        fed = {link.target: link.source for link in links}
         values = {
-            name: _settings(component, fmus[name], structure.ignored)
+            name: _settings(component, fmus[name], fed, structure.ignored)
             for name, component in structure.components.items()
         }
-        links = tuple(_link(connection, structure, fmus) for connection in structure.connections)
         assembly = cls(structure, fmus, values, links, variant)
         assembly._check_unconnected()
         return assembly
@@ -83,8 +91,18 @@ class Assembly:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the user should know about the documents: where FMUs were found, and what has no effect."""
-        return (*self.structure.notes, *(f"has no effect: {line}" for line in self.structure.ignored))
+        """What the user should know about the documents: where FMUs were found, what has no effect, what is wrong."""
+        return (
+            *self.structure.notes,
+            *(f"has no effect: {line}" for line in self.structure.ignored),
+            *(f"read leniently: {line}" for line in self.lenient),
+        )
+
+    @property
+    def lenient(self) -> tuple[str, ...]:
+        """What is not as FMI and SSP have it, in documents and FMUs, and was read all the same."""
+        fmus = {fmu.path: fmu.description.lenient for fmu in self.fmus.values()}
+        return (*self.structure.lenient, *(f"{path.name}: {line}" for path, lines in fmus.items() for line in lines))
 
     def hashes(self) -> dict[str, str]:
         """SHA-256 of each component's FMU."""
@@ -252,9 +270,12 @@ def _single(file: Path) -> Structure:
     )
 
 
-def _check_connectors(component: Component, fmu: Fmu) -> None:
+def _check_connectors(component: Component, fmu: Fmu, lenient: list[str]) -> None:
     for connector in component.connectors.values():
         where = f"{component.where}, connector '{connector.name}'"
+        if connector.kind in ("parameter", "calculatedParameter") and connector.name not in fmu.description.by_name:
+            lenient.append(f"{where}: is a parameter that {fmu.path.name} does not have")
+            continue
         variable = fmu.description.variable(connector.name, where)
         kind = "Integer" if connector.type == "Enumeration" else connector.type
         if kind not in (None, variable.type):
@@ -271,14 +292,21 @@ def _unit_of(fmu: Fmu, variable: Variable) -> Unit | None:
     return fmu.description.units.get(variable.unit) or Unit(variable.unit)
 
 
-def _settings(component: Component, fmu: Fmu, ignored: list[str]) -> dict[str, Any]:
-    """The values of a component in its own types and units; names that the FMU does not have are listed."""
+def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], ignored: list[str]) -> dict[str, Any]:
+    """The values of a component in its own types and units; those without effect are listed.
+
+    These are of names that the FMU does not have, and of inputs that are ``fed`` by another component.
+    """
     values: dict[str, Any] = {}
     for setting in component.settings:
         variable = fmu.description.by_name.get(setting.name)
         if variable is None:
             hint = nearest(setting.name, fmu.description.by_name)
             ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{hint}")
+            continue
+        source = fed.get(f"{component.name}.{setting.name}")
+        if source is not None:
+            ignored.append(f"{setting.where}: '{component.name}.{setting.name}' is connected to '{source}'")
             continue
         where = f"{setting.where}: {component.name}"
         values[setting.name] = checked(fmu.description, variable, _converted(setting, fmu, variable, where), where)
@@ -287,6 +315,11 @@ def _settings(component: Component, fmu: Fmu, ignored: list[str]) -> dict[str, A
 
 def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> Any:
     value = setting.value
+    if setting.items is not None and isinstance(value, str):
+        if value not in setting.items:
+            known = ", ".join(setting.items)
+            raise NavfmuError(f"{where}: '{variable.name}' is '{value}', expected one of {known}")
+        value = setting.items[value]
     if variable.type == "Real" and not isinstance(value, (bool, str)):
         factor, offset = conversion(setting.unit, _unit_of(fmu, variable), f"{where}: '{variable.name}'")
         return setting.factor * (factor * value + offset) + setting.offset
@@ -298,11 +331,13 @@ def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> An
 def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu]) -> Link:
     """A connection with the one factor and offset that do all its conversions."""
     where = f"{connection.where} {connection}"
-    ends = []
+    ends, items = [], []
     for component, name in (connection.start, connection.end):
         variable = fmus[component].description.variable(name, where)
         unit = _unit_of(fmus[component], variable)
-        ends.append((variable, unit, structure.components[component].connectors[name].unit or unit))
+        connector = structure.components[component].connectors[name]
+        ends.append((variable, unit, connector.unit or unit))
+        items.append(connector.items or fmus[component].description.items(variable))
     (source, source_unit, start_unit), (target, target_unit, end_unit) = ends
     if source.causality != "output" or target.causality != "input":
         raise NavfmuError(f"{where}: goes from {source.causality} to {target.causality}, expected output to input")
@@ -313,4 +348,9 @@ def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu])
     factor, offset = 1.0, 0.0
     for a, b in steps:
         factor, offset = a * factor, a * offset + b
-    return Link(".".join(connection.start), ".".join(connection.end), factor, offset)
+    link = Link(".".join(connection.start), ".".join(connection.end), factor, offset)
+    link.check(source, target, where)
+    if all(items) and set(items[0].values()) - set(items[1].values()):
+        first, second = (", ".join(f"{name} = {value}" for name, value in known.items()) for known in items)
+        raise NavfmuError(f"{where}: connects one enumeration ({first}) to another ({second})")
+    return link

@@ -26,9 +26,13 @@ HERE = Path(__file__).parent
 @cache
 def library() -> Path:
     """The compiled probe; kept between test runs."""
-    source = HERE / "probe.c"
+    return compile_fmu(HERE / "probe.c")
+
+
+def compile_fmu(source: Path) -> Path:
+    """The library of an FMU in one C file; kept between test runs."""
     name = hashlib.sha256(source.read_bytes()).hexdigest()[:12]
-    path = Path(tempfile.gettempdir()) / f"navfmu-probe-{name}" / f"probe{toolchain.suffix('host')}"
+    path = Path(tempfile.gettempdir()) / f"navfmu-{source.stem}-{name}" / f"{source.stem}{toolchain.suffix('host')}"
     return path if path.exists() else toolchain.compile_shared([source], path, include=[RUNTIME])
 
 

@@ -1,9 +1,11 @@
 """Runs plans with an engine that was built with sanitizers. Started by ``test_sanitizers.py``, not by pytest.
 
-The arguments are the sanitized engine and the sanitized probe.
+The arguments are the sanitized engine, the sanitized probe and the sanitized stepper.
 """
 
+import itertools
 import sys
+import tempfile
 from pathlib import Path
 
 from navfmu.engine import compiled
@@ -13,9 +15,12 @@ from navfmu.engine.recording import RunError
 from navfmu.faults import Fault
 from tests.engine import probe as probes
 from tests.engine.probe import chain, probe, ring
+from tests.foreign import stepper as steppers
+from tests.foreign.stepper import stepper
 
 compiled.binary = lambda: Path(sys.argv[1])
 probes.library = lambda: Path(sys.argv[2])
+steppers.library = lambda: Path(sys.argv[3])
 
 FAULTS = [
     Fault("bias", "lag0.y", "bias", 2.0, 3.0, {"value": 0.5}),
@@ -30,10 +35,27 @@ FAULTS = [
 ]
 
 
+def circle(algorithm: str, folder: Path) -> None:
+    """Values of all types that go round in initialisation mode; at 0.5 s one of the FMUs wants no more."""
+    file = steppers.write(folder / f"{algorithm}.fmu")
+    system = [stepper("a", file, number=3, bias=1.0), stepper("b", file, flag=True, ends_at=0.5), stepper("c", file)]
+    links = [Link("a.double", "b.number"), Link("b.not", "a.flag"), Link("a.fixed", "b.u"), Link("b.direct", "a.u")]
+    faults = [
+        Fault("bias", "a.fixed", "bias", 0.0, 0.3, {"value": 0.5}),
+        Fault("stuck", "b.not", "stuck", 0.0, 0.2),
+        Fault("number", "c.number", "input", 0.0, 0.2, {"value": 9}),
+    ]
+    for some in ([], faults):
+        plan = make_plan(system, [*links, Link("b.x", "c.u")], step=0.1, stop=1.0, algorithm=algorithm, faults=some)
+        assert len(compiled.run(plan).time) == 6
+
+
 def main() -> None:
-    lags, connections = chain(4, interpolates=True, start=1.0, u=0.5, label="first of them")
-    connections += [Link("lag0.data.sequence", "lag1.number"), Link("lag0.data.valid", "lag1.flag")]
-    for algorithm in ("jacobi", "gauss_seidel"):
+    for algorithm, interpolates in itertools.product(("jacobi", "gauss_seidel"), (True, False)):
+        lags, connections = chain(4, interpolates=interpolates, start=1.0, u=0.5, label="first of them")
+        connections += [Link("lag0.data.sequence", "lag1.number"), Link("lag0.data.valid", "lag1.flag")]
+        with tempfile.TemporaryDirectory() as folder:
+            circle(algorithm, Path(folder))
         for faults in ([], FAULTS):
             plan = make_plan(lags, connections, step=0.1, stop=10.0, algorithm=algorithm, faults=faults, record=["*"])
             with compiled.Compiled(plan) as engine:

@@ -10,5 +10,9 @@ from tests import sanitizers
 def test_address_and_undefined_behaviour_sanitizers_find_nothing(tmp_path):
     include, shared = (SOURCE, RUNTIME), sanitizers.SHARED
     engine = sanitizers.compile(UNITS, tmp_path / "engine.so", include, *shared)
-    probe = sanitizers.compile([Path(__file__).with_name("probe.c")], tmp_path / "probe.so", include, *shared)
-    sanitizers.run_python("tests.engine.sanitized_run", engine, probe)
+    tests = Path(__file__).parents[1]
+    probe, stepper = (
+        sanitizers.compile([tests / f"{name}.c"], tmp_path / f"{Path(name).name}.so", include, *shared)
+        for name in ("engine/probe", "foreign/stepper")
+    )
+    sanitizers.run_python("tests.engine.sanitized_run", engine, probe, stepper)

@@ -12,7 +12,7 @@ from navfmu.errors import NavfmuError
 def test_every_structure_is_compared():
     rows = list(structures.there(engine_library()))
     assert {structure for structure, *_ in rows} == {
-        *("Effect", "Inputs", "Component", "Place", "Log", "Master", "EffectKind", "Call")
+        *("Effect", "Move", "Inputs", "Component", "Place", "Log", "Master", "EffectKind", "MoveKind", "Call")
     }
     assert ("Place", "rows", 8, 8) in rows
     assert ("Call", "DO_STEP", 7, 0) in rows

@@ -13,10 +13,11 @@ from click.testing import CliRunner
 
 from benchmarks.contest import Contest
 from evidence import __main__ as command
-from evidence import closure, headline, real_flights, speed, step_sizes
+from evidence import closure, headline, public_fmus, real_flights, speed, step_sizes
 from evidence.section import Section
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
+from tests.foreign.habits import lag, replaced
 from tests.sweep.made import counted, made
 
 GOOD = Claim("All is well", 3.0, 5.0, at_least=False, unit="m", opposite="Not all is well")
@@ -169,3 +170,43 @@ def test_speed_tells_what_is_compared():
     contest.claim("time of the tortoise over that of the hare", 5.0, contest.ratio("tortoise", "hare"))
     section = speed.section([contest])
     assert [claim.holds for claim in section.claims] == [False] and "The hare carries nothing." in text_of(section)
+
+
+# -- public FMUs -------------------------------------------------------------------------------------------------------
+
+
+def test_public_fmus_are_left_out_without_a_folder(monkeypatch, tmp_path):
+    monkeypatch.delenv("NAVFMU_PUBLIC_FMUS", raising=False)
+    assert "NAVFMU_PUBLIC_FMUS does not name a folder" in public_fmus.run(tmp_path).left_out
+
+
+def test_public_fmus_run_in_both_hosts_each_in_a_process_of_its_own(monkeypatch, tmp_path):
+    """One that has a habit, one that crashes, one that is there twice, and those of other versions."""
+    for folder in ("a", "b", "c", "d"):
+        (tmp_path / folder).mkdir()
+    lag(tmp_path / "a", replaced(("<ScalarVariable ", '<ScalarVariable previous="1" ')))
+    dead = lag(tmp_path / "b", replaced(('guid="{probe}"', 'guid="{dies}10"'))).rename(tmp_path / "b" / "dead.fmu")
+    (tmp_path / "c" / "copy.fmu").write_bytes(dead.read_bytes())
+    lag(tmp_path / "d", replaced(('fmiVersion="2.0"', 'fmiVersion="3.0"')))
+    monkeypatch.setenv("NAVFMU_PUBLIC_FMUS", str(tmp_path))
+    section = public_fmus.run(tmp_path)
+    text = text_of(section)
+    assert "2 FMUs: 1 equal, 1 refused by both." in text and "ended its process with code -11" in text
+    assert all(claim.holds for claim in section.claims)
+
+
+@pytest.mark.parametrize(
+    ("here", "verdict", "held"),
+    [
+        ({"time": [0.0, 1.0], "y": [1.0, 2.0 + 1e-12]}, "equal", [True, True]),
+        ({"time": [0.0, 1.0], "y": [1.0, 2.1]}, "differs", [True, False]),
+        ({"time": [0.0, 1.0], "y": [1.0, np.nan]}, "differs", [True, False]),
+        ({"time": [0.0], "y": [1.0]}, "differs", [True, False]),
+        ("no binary", "refused here", [False, True]),
+    ],
+)
+def test_a_public_fmu_that_differs_or_is_refused_misses_a_claim(here, verdict, held):
+    outcome = public_fmus.Outcome("x.fmu", "a tool", 0.1, {"time": [0.0, 1.0], "y": [1.0, 2.0]}, here)
+    section = public_fmus.section([outcome])
+    assert outcome.verdict == verdict and [claim.holds for claim in section.claims] == held
+    assert f"1 {verdict}" in text_of(section)

@@ -111,3 +111,32 @@ class TwoRates(Component):
         self.slow_sees = self.count[0]
         self.times = np.array([self.times[0], self.time])
         self.periods = np.array([self.periods[0], self.period])
+
+
+class Mixed(Component):
+    """Variables of every kind, and tasks that fail when an Integer would get a fraction."""
+
+    u = Input("m", description="continuous input")
+    level = Input(kind="integer", min=0, max=10, description="Integer input")
+    on = Input(kind="boolean", start=True, description="Boolean input")
+    offset = Parameter("m", start=1.0, min=-5.0, description="fixed parameter; the start task takes it for whole")
+    stride = Parameter("1", start=1.0, max=4.0, tunable=True, description="what the count goes up by")
+    number = Parameter(kind="integer", start=3, min=0, max=9, tunable=True, description="tunable Integer")
+    sample_period = Parameter("s", start=0.1, description="sampling period")
+    covariance = State(2, "m2", start=(1.0, 2.0), description="a state that can be set before initialisation")
+    begun = State(kind="integer", description="a state that the start task calculates")
+    first = Output("m", description="an output that the start task calculates")
+    y = Output("m", start=4.0, description="an output with a start value")
+    count = Output(kind="integer", description="goes up by the stride")
+    seen = Output(kind="boolean", description="whether it was on")
+
+    @start
+    def begin(self):
+        self.begun = self.offset
+        self.first = self.offset + self.covariance[0]
+
+    @every("sample_period")
+    def step(self):
+        self.y = np.where(self.on, self.y + self.u * self.level, self.y)
+        self.count = self.count + self.stride
+        self.seen = self.on

@@ -54,7 +54,7 @@ class Slave:
         self.component = ctypes.c_void_p(component)
 
     def _log(self, environment, name, status, category, message):
-        self.messages.append((status, category.decode(), message.decode()))
+        self.messages.append((status, (category or b"").decode(), message.decode()))  # PythonFMU gives none
 
     @property
     def said(self) -> str:

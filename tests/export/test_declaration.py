@@ -5,8 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from evidence.compiled import Compiled, linked
 from navfmu.errors import NavfmuError
 from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
+from navfmu.export.graph import elements_used
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
 
@@ -134,7 +136,36 @@ def test_source_outputs_are_calculated_at_the_start():
     model = lower(Source)
     assert {v.name: v.initial for v in model.variables}["x"] == "calculated"
     assert model.tables[0].columns == ("time", "x")
-    assert [f.function.numel_in(3) for f in model.tasks] == [4, 4]
+    assert [sorted(set().union(*elements_used(t.values, "rows"))) for t in model.tasks] == [[1], [0, 1, 2, 3]]
+
+
+def test_a_function_can_be_a_task_of_two_components():
+    def step(self):
+        self.y = self.time
+
+    def make(period):
+        members = {"__doc__": "Made.", "y": Output("s"), period: Parameter("s", start=1.0), "step": every(period)(step)}
+        return type("Made", (Component,), members)
+
+    one, two = make("slow"), make("fast")
+    assert [c.layout.tasks[0].argument for c in (one, two)] == ["slow", "fast"]
+
+
+def test_a_task_can_be_left_out_or_replaced_by_a_subclass():
+    class Quiet(Sensor):
+        """Takes no samples."""
+
+        sample = None
+
+    class Twice(Sensor):
+        """Takes others."""
+
+        @every("sample_period")
+        def sample(self):
+            self.reading.publish(s=2 * self.u)
+
+    assert [t.name for t in Quiet.layout.tasks] == ["turn_on"]
+    assert [(t.name, t.uses_noise) for t in Twice.layout.tasks] == [("turn_on", True), ("sample", False)]
 
 
 def test_components_can_inherit():
@@ -154,6 +185,19 @@ DECLARATIONS = {
     "bad kind": (lambda: Input("m", kind="reel"), "did you mean 'real'?"),
     "start of wrong shape": (lambda: Input(3, "m", start=(1, 2)), "start has shape (2,)", "(3,)"),
     "bound of wrong shape": (lambda: Parameter(3, "m", min=(1, 2)), "(2,)"),
+    "start that is no number": (lambda: Parameter("m", start=np.nan), "start is nan", "finite"),
+    "start without end": (lambda: Output(3, "m", start=np.inf), "start is inf", "finite"),
+    "start that is a word": (lambda: Input("m", start="a"), "start is 'a'", "a number"),
+    "bound without end": (lambda: Parameter("m", max=np.inf), "max is inf", "leave out"),
+    "bound that is no number": (lambda: Parameter("m", min=np.nan), "min is nan"),
+    "start below min": (lambda: Parameter("m", min=1.0), "start is 0, which is below its min, 1.0"),
+    "start above max": (lambda: State(2, "m", start=(1, 5), max=4), "start is 5, which is above its max, 4"),
+    "range upside down": (lambda: Input("m", min=1.0, max=-1.0), "min is 1.0 and max is -1.0"),
+    "integer of a half": (lambda: Output(kind="integer", start=0.5), "start is 0.5", "whole number"),
+    "integer too large": (lambda: Parameter(kind="integer", max=2**31), "max is 2147483648", "32 bits"),
+    "boolean of two": (lambda: Input(kind="boolean", start=2), "start is 2", "True or False"),
+    "boolean with a bound": (lambda: Input(kind="boolean", min=0), "no min"),
+    "nominal of 0": (lambda: Output("m", nominal=0.0), "nominal is 0.0", "positive"),
     "tunable input": (lambda: Input("m", tunable=True), "parameters"),
     "fault output": (lambda: Output("m", fault=True), "inputs"),
     "mixed bundle": (lambda: Bundle(a=Input("m"), b=Output("m")), "all Input or all Output"),
@@ -161,6 +205,17 @@ DECLARATIONS = {
     "every number": (lambda: every(0.1), "name of a Parameter"),
     "on_new without name": (lambda: on_new(None), "input Bundle"),
     "table of wrong width": (lambda: Table(columns=(("time", "s"),), rows=[[0, 1], [1, 2]]), "(2, 2)"),
+    "table by altitude": (
+        lambda: Table(columns=(("altitude", "m"), ("time", "s")), rows=[[0, 1], [1, 2]]),
+        "'altitude' is in 'm'",
+        "np.interp",
+    ),
+    "table without columns": (lambda: Table(columns=(), rows=[[], []]), "0 columns"),
+    "two decorators": (lambda: on_new("a")(on_new("b")(_quiet())), "two decorators", "second method"),
+    "start and every": (lambda: start(every("T")(_quiet())), "two decorators"),
+    "task and requirement": (lambda: every("T")(require("no")(_quiet())), "two decorators"),
+    "two requirements": (lambda: require("no")(require("never")(_quiet())), "two decorators"),
+    "decorated property": (lambda: start(property(_quiet())), "plain method"),
     "table out of order": (lambda: Table(columns=(("time", "s"),), rows=[[1], [0]]), "increase"),
 }
 
@@ -177,6 +232,10 @@ def _class(**members):
 
 def _quiet():
     return lambda self: None
+
+
+def _twice(variable):
+    return _class(a=variable, b=variable)
 
 
 def _greedy():
@@ -206,6 +265,10 @@ CLASSES = {
     "sentence with a format": (_class(a=Parameter("s"), c=require("{a:.2f} is wrong")(_quiet())), "without a format"),
     "sentence with a gap": (_class(a=Parameter("s"), c=require("{} is wrong")(_quiet())), "with a name"),
     "name": (_class(name="air data"), "identifier"),
+    "list of states": (_class(x=[State("m"), State("m")]), "'x' is a list of declarations", 'State(3, "m")'),
+    "dictionary of bundles": (_class(x={"a": (Bundle(x=Input("m")),)}), "'x' is a dict of declarations"),
+    "one variable, two names": (_twice(Output("m")), "'a' and 'b' are one declaration"),
+    "overridden task": (lambda: type("Made", (Sensor,), {"__doc__": "Made.", "sample": _quiet()}), "'sample'", "None"),
 }
 
 
@@ -307,7 +370,8 @@ def test_a_truth_value_assigned_to_a_number_is_a_number_in_both_modes():
     run.setup()
     run.do_step(0.0, 1.0)
     assert run.get("n") == 2.0
-    assert float(lower(Counter).tasks[0].function([1.0, 1.0, 0.0], [], [1.0, 1.0], [])) == 2.0
+    (native,) = linked([Compiled(lower(Counter).tasks[0].values, (1,))])
+    assert native([1.0, 1.0, 0.0]) == 2.0
 
 
 def test_requirements_are_over_parameters():

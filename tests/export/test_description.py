@@ -7,8 +7,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from navfmu import NavfmuError
-from navfmu.export import Component, Input, Output, Parameter, every
-from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, describe
+from navfmu.export import Component, Input, Output, Parameter, State, every, start
+from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, describe, initial_unknowns
 from navfmu.export.lower import lower
 from tests import built
 
@@ -100,6 +100,39 @@ def test_outputs_depend_on_the_state_alone_and_calculated_ones_are_initial_unkno
         ("x", str(names.index("offset") + 1))
     ]
     assert unzipped["sensor"].xml.find("ModelStructure/InitialUnknowns") is None
+
+
+def test_initial_unknowns_depend_on_all_that_can_be_set_then():
+    class Warm(Component):
+        """Starts from a state that can be set, from a parameter, and from chance."""
+
+        u = Input("m", description="input")
+        sigma = Parameter("m", start=0.1, description="sigma")
+        unused = Parameter("m", description="not read")
+        covariance = State(2, "m2", start=1.0, description="state with a start value")
+        given = Output("m", description="output with a start value")
+        kept = State("m", description="calculated state")
+        chance = Output("m", description="drawn")
+        known = Output("m2", description="not drawn")
+        later = Output("m", description="calculated from what is calculated")
+
+        @start
+        def begin(self, noise):
+            self.chance = self.sigma * noise(1)[0]
+            self.known = self.covariance[1] + 1.0
+            self.kept = self.given + self.u
+
+        @start
+        def go_on(self):
+            self.later = self.kept + self.known
+
+    model = lower(Warm)
+    name = [v.name for v in model.variables]
+    assert {name[i]: {name[j] for j in of} for i, of in initial_unknowns(model)} == {
+        "chance": {"sigma", "seed", "stream"},
+        "known": {"covariance[2]"},
+        "later": {"given", "u", "covariance[2]"},
+    }
 
 
 def test_faults_bundles_and_ranges_are_described(unzipped):

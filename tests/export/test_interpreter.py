@@ -141,7 +141,7 @@ def test_inputs_are_interpolated_at_ticks_and_only_over_the_coming_step():
     run.set_derivative("u", 2.0)
     run.set("u", 20.0)
     run.do_step(0.35, 0.1)
-    assert run.get("sampled") == 20.0
+    assert run.get("sampled") == 20.0 + 2.0 * (0.4 - 0.35), "the derivative holds, also when the value comes after it"
 
 
 def test_sources_show_calculated_outputs_during_initialisation():
@@ -207,7 +207,7 @@ def test_hidden_state_is_saved_too():
     run.set_state(saved)
     run.do_step(0.1, 0.1)
     assert run.get("updates") == 1
-    with pytest.raises(NavfmuError, match="not a saved state of 'sensor'"):
+    with pytest.raises(NavfmuError, match="not a saved state of this build of 'sensor'"):
         Interpreter(Sensor).set_state(saved)
 
 
@@ -272,9 +272,9 @@ def test_what_cannot_be_set_now_is_refused():
             run.set(name, value)
         assert part in str(caught.value)
     with pytest.raises(NavfmuError, match="continuous Real input"):
-        run.set_derivative("broken", 1.0)
+        run.set_derivative("gain", 1.0)
     run.terminate()
-    with pytest.raises(NavfmuError, match="after termination"):
+    with pytest.raises(NavfmuError, match="after fmi2Terminate"):
         run.set("gain", 1.0)
 
 
@@ -285,6 +285,7 @@ def test_impossible_steps_are_refused():
     run.setup(stop=1.0)
     for t, h, part in (
         (0.0, -0.1, "positive"),
+        (0.0, 0.0, "positive"),
         (0.5, 0.1, "at 0 s"),
         (0.0, np.inf, "positive"),
         (0.0, 2.0, "ends at 1 s"),
@@ -343,7 +344,7 @@ def test_running_with_floats_needs_numpy_alone():
     code = (
         "import sys; import tests.export.components as c; from navfmu.export.interpreter import Interpreter;"
         "r = Interpreter(c.Sensor); r.setup(); r.do_step(0.0, 1.0);"
-        "print(sorted({'casadi', 'ziglang', 'pandas', 'fmpy', 'scipy'} & set(sys.modules)))"
+        "print(sorted({'ziglang', 'pandas', 'fmpy', 'scipy'} & set(sys.modules)))"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (run.stdout.strip(), run.stderr) == ("[]", "")

@@ -100,8 +100,13 @@ def test_a_tick_at_the_end_of_a_step_belongs_to_it(unzipped):
     assert rows == [[0], [1], [2]]
 
 
-def test_a_step_of_no_length_does_nothing(unzipped):
-    assert run(unzipped["sensor"], [0.0, 0.1, 0.0], ["reading.sequence"]) == [[0], [1], [1]]
+def test_a_step_of_no_length_is_refused_as_the_standard_says(unzipped):
+    slave = Slave(unzipped["sensor"])
+    slave.initialise()
+    assert slave.step(0.0, 0.0) == ERROR
+    assert slave.said == "The communication step size is 0 s at 0 s; expected a positive number."
+    assert slave.step(0.0, 0.1) == OK
+    slave.free()
 
 
 def test_inputs_follow_their_derivative_over_the_coming_step_only(unzipped):
@@ -117,8 +122,25 @@ def test_inputs_follow_their_derivative_over_the_coming_step_only(unzipped):
     slave.derivative("u", 2.0)
     slave.set("u", 3.0)
     slave.step(0.4, 0.2)
-    assert slave.get("sampled") == 3.0
+    assert slave.get("sampled") == 3.0 + 2.0 * 0.2, "the derivative holds, also when the value comes after it"
     slave.free()
+
+
+def test_a_derivative_can_be_set_in_every_state_in_which_the_value_can(unzipped):
+    for enter in ([], ["EnterInitializationMode"], ["EnterInitializationMode", "ExitInitializationMode"]):
+        slave = Slave(unzipped["two_rates"])
+        for call in enter:
+            assert slave.call(call) == OK
+        assert slave.derivative("u", 2.0) == OK
+        assert slave.set("u", 1.0) == OK
+        for call in ["EnterInitializationMode", "ExitInitializationMode"][len(enter) :]:
+            assert slave.call(call) == OK
+        assert slave.step(0.0, 0.2) == OK
+        assert slave.get("sampled") == 1.0 + 2.0 * 0.2
+        assert slave.call("Terminate") == OK
+        assert slave.derivative("u", 2.0) == ERROR
+        assert slave.said == "fmi2SetRealInputDerivatives is not allowed after fmi2Terminate."
+        slave.free()
 
 
 def test_discrete_inputs_have_no_derivative(unzipped):

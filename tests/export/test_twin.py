@@ -253,7 +253,7 @@ def test_twin_carries_one_module_with_a_name_of_its_own(twins):
     assert module.startswith("imu_") and len(module) == len("imu_") + 16
     assert "class ImuSlave(Fmi2Slave):" in text
     assert {"models.inertial", "fmus.imu", "navfmu.export.interpreter"} <= set(sources(EVERY["imu"]))
-    assert "import casadi" not in text
+    assert "import ziglang" not in text
 
 
 def test_twin_is_built_byte_for_byte_the_same(tmp_path):

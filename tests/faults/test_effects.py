@@ -16,6 +16,7 @@ H = 0.1
 FIRST, END = 20, 50  # communication points of the window
 START, DURATION = 2.0, 3.0
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
+RECEIVERS = pytest.mark.parametrize("interpolates", [True, False], ids=["interpolating", "plain"])
 RECORD = ["source.y", "source.y@true", "lag.y", "lag.seen", "lag.slope", "lag.current"]
 
 
@@ -45,8 +46,52 @@ def response(k):
 
 
 @ALGORITHMS
-def test_bias_acts_from_the_first_point_to_the_last_and_not_before(algorithm):
-    recording = run(fault("bias", value=0.5), algorithm=algorithm)
+@RECEIVERS
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [("bias", {"value": 1.0}), ("stuck", {"value": 7.0}), ("noise", {"sigma": 1.0, "period": 0.1})],
+)
+def test_the_first_effect_on_a_lag_is_seen_one_step_after_the_start(algorithm, interpolates, kind, parameters):
+    """At 0.6 s and not at 0.5 s, and the last one step after the end, where source and lag move."""
+    options = {"algorithm": algorithm, "interpolates": interpolates, "u": 0.0}
+    clean, faulted = run(**options), run(fault(kind, start=0.5, duration=0.3, **parameters), **options)
+    pushed = faulted["lag.y"][1:] - 0.9 * faulted["lag.y"][:-1]  # 0.1 * the input over each step
+    usual = clean["lag.y"][1:] - 0.9 * clean["lag.y"][:-1]
+    assert np.flatnonzero(np.abs(pushed - usual) > 1e-12).tolist() == [5, 6, 7]
+    assert faulted["lag.y"][5] == clean["lag.y"][5] and faulted["lag.y"][6] != clean["lag.y"][6]
+
+
+@RECEIVERS
+def test_a_drift_is_continued_to_the_end_of_the_step(interpolates):
+    """It is 0 at its start, so that its first effect is what it has grown by half a step, or a whole one, later."""
+    recording = run(
+        fault("drift", start=0.5, duration=0.3, rate=1.0), algorithm="gauss_seidel", interpolates=interpolates
+    )
+    pushed = recording["lag.y"][1:] - 0.9 * recording["lag.y"][:-1] - 0.2
+    later = 0.05 if interpolates else 0.1
+    np.testing.assert_allclose(pushed[4:9], 0.1 * np.array([0, later, 0.1 + later, 0.2 + later, 0]), atol=1e-15)
+
+
+@RECEIVERS
+def test_what_is_not_continuous_is_the_newest_with_its_fault(interpolates):
+    """The source's samples are discrete: the receiver gets what left at the end of the step."""
+    components = [probe("source"), probe("lag", interpolates=interpolates)]
+    links = [Link("source.data.value", "lag.u"), Link("source.data.sequence", "lag.number")]
+    faults = [
+        Fault("value", "source.data.value", "bias", 0.5, 0.3, {"value": 100.0}),
+        Fault("number", "source.data.sequence", "stuck", 0.5, 0.3, {"value": 99}),
+    ]
+    record = ["lag.seen", "lag.echo", "source.data.value", "source.data.sequence"]
+    recording = simulate((components, links), step=H, stop=2.0, faults=faults, record=record)
+    assert np.array_equal(recording["lag.seen"], recording["source.data.value"])
+    assert np.array_equal(recording["lag.echo"], recording["source.data.sequence"])
+    assert np.flatnonzero(recording["lag.echo"] == 99).tolist() == [5, 6, 7]
+
+
+@ALGORITHMS
+@RECEIVERS
+def test_bias_acts_from_the_first_point_to_the_last_and_not_before(algorithm, interpolates):
+    recording = run(fault("bias", value=0.5), algorithm=algorithm, interpolates=interpolates)
     k = rows(recording)
     assert np.array_equal(recording["source.y"], np.where(inside(k), 2.5, 2.0))
     assert np.array_equal(recording["source.y@true"], np.full(101, 2.0))
@@ -54,34 +99,38 @@ def test_bias_acts_from_the_first_point_to_the_last_and_not_before(algorithm):
     assert not recording["lag.slope"].any()  # a step at the communication point, not a ramp before it
 
 
-def test_bias_adds_to_a_moving_signal_without_touching_its_slope():
-    clean = run(algorithm="gauss_seidel", u=0.0)
-    biased = run(fault("bias", value=0.5), algorithm="gauss_seidel", u=0.0)
+@RECEIVERS
+def test_bias_adds_to_a_moving_signal_without_touching_its_slope(interpolates):
+    clean = run(algorithm="gauss_seidel", u=0.0, interpolates=interpolates)
+    biased = run(fault("bias", value=0.5), algorithm="gauss_seidel", u=0.0, interpolates=interpolates)
     k = rows(clean)
     np.testing.assert_allclose(biased["lag.slope"], clean["lag.slope"], atol=1e-14)
     np.testing.assert_allclose(biased["lag.y"] - clean["lag.y"], 0.5 * response(k), atol=1e-14)
 
 
 @ALGORITHMS
-def test_drift_grows_from_the_start_and_is_cleared_at_once(algorithm):
-    recording = run(fault("drift", rate=0.3), algorithm=algorithm)
+@RECEIVERS
+def test_drift_grows_from_the_start_and_is_cleared_at_once(algorithm, interpolates):
+    recording = run(fault("drift", rate=0.3), algorithm=algorithm, interpolates=interpolates)
     k = rows(recording)
     np.testing.assert_allclose(recording["source.y"], 2.0 + np.where(inside(k), 0.3 * (k - FIRST) * H, 0), rtol=1e-15)
     n = np.arange(END - FIRST + 1)
-    # y <- 0.9 y + 0.1 * (r h n) has the solution r h (n - 10 (1 - 0.9^n)); the line between the points adds r h / 2
+    # y <- 0.9 y + 0.1 * (r h n) has the solution r h (n - 10 (1 - 0.9^n)); the line between the points adds r h / 2,
+    # the value at the end of each step r h
     ramp = 0.3 * H * (n - 10 * (1 - 0.9**n))
     if algorithm == "gauss_seidel":
-        ramp += 0.3 * H / 2 * (1 - 0.9**n)
+        ramp += (0.3 * H / 2 if interpolates else 0.3 * H) * (1 - 0.9**n)
     np.testing.assert_allclose(recording["lag.y"][FIRST : END + 1], 2.0 + ramp, rtol=1e-13)
     np.testing.assert_allclose(recording["lag.y"][END:], 2.0 + ramp[-1] * 0.9 ** np.arange(101 - END), rtol=1e-13)
     assert np.all(recording["source.y"][END:] == 2.0)
 
 
 @ALGORITHMS
-def test_stuck_at_a_given_value(algorithm):
-    recording = run(fault("stuck", value=5.0), algorithm=algorithm, u=0.0)
+@RECEIVERS
+def test_stuck_at_a_given_value(algorithm, interpolates):
+    recording = run(fault("stuck", value=5.0), algorithm=algorithm, u=0.0, interpolates=interpolates)
     k = rows(recording)
-    clean = run(algorithm=algorithm, u=0.0)
+    clean = run(algorithm=algorithm, u=0.0, interpolates=interpolates)
     assert np.array_equal(recording["source.y"], np.where(inside(k), 5.0, clean["source.y"]))
     begin = clean["lag.y"][FIRST]
     n = np.arange(END - FIRST + 1)
@@ -143,8 +192,9 @@ def test_noise_has_its_own_period_and_does_not_depend_on_the_step(algorithm):
 
 
 @ALGORITHMS
-def test_the_lag_answers_noise_as_it_answers_its_samples(algorithm):
-    recording = run(fault("noise", sigma=0.2, period=0.1), algorithm=algorithm)
+@RECEIVERS
+def test_the_lag_answers_noise_as_it_answers_its_samples(algorithm, interpolates):
+    recording = run(fault("noise", sigma=0.2, period=0.1), algorithm=algorithm, interpolates=interpolates)
     expected = [2.0]
     for u in recording["source.y"][:-1]:
         expected.append(expected[-1] + 0.1 * (u - expected[-1]))
@@ -193,8 +243,9 @@ def test_a_parameter_comes_back_to_its_start_value_of_this_run(algorithm):
 
 
 @ALGORITHMS
-def test_a_fault_from_the_start_acts_on_the_initial_outputs(algorithm):
-    recording = run(fault("bias", start=0.0, value=0.5), algorithm=algorithm)
+@RECEIVERS
+def test_a_fault_from_the_start_acts_on_the_initial_outputs(algorithm, interpolates):
+    recording = run(fault("bias", start=0.0, value=0.5), algorithm=algorithm, interpolates=interpolates)
     assert recording["source.y"][0] == 2.5
     assert recording["lag.current"][0] == 102.5  # what the lag computed from its input while initialising
     driven = run(fault("input", "source.u", start=0.0, value=3.0), algorithm=algorithm, record=["source.current"])

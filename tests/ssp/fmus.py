@@ -21,8 +21,10 @@ def variable(name: str, causality: str, kind: str = "Real", reference: int = 0, 
     variability = {"parameter": "fixed", "input": "continuous", "output": "continuous"}[causality]
     if kind != "Real" and causality != "parameter":
         variability = "discrete"
-    initial = {"parameter": ' initial="exact"', "input": "", "output": ' initial="exact"'}[causality]
-    attributes.setdefault("start", {"Boolean": "false"}.get(kind, "0"))
+    initial = attributes.pop("initial", "" if causality == "input" else "exact")
+    initial = f' initial="{initial}"' if initial else ""
+    if "calculated" not in initial:
+        attributes.setdefault("start", {"Boolean": "false"}.get(kind, "0"))
     text = " ".join(f'{key}="{value}"' for key, value in attributes.items())
     return (
         f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" '
@@ -84,7 +86,7 @@ def filter_(folder: Path) -> Path:
         variable("imu.valid", "input", "Boolean", 4),
         variable("imu.sequence", "input", "Integer", 5),
         variable("imu.time_of_validity", "input", reference=6, unit="s"),
-        variable("imu.lost", "output", "Integer", 7),
+        variable("imu.lost", "output", "Integer", 7, initial="calculated"),
     ]
     names += [variable(f"rate[{i}]", "output", reference=10 + i, unit="rad/s") for i in (1, 2, 3)]
     return write(folder / "filter.fmu", describe("filter", names))

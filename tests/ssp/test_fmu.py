@@ -201,7 +201,7 @@ def broken(folder, name, change):
         (lambda f: broken(f, "x.fmu", lambda d: d.replace("CoSimulation", "ModelExchange")), "model exchange only"),
         (lambda f: broken(f, "x.fmu", lambda d: d.replace("<ModelStructure>", "<Wrong/><ModelStructure>")), "Wrong"),
         (
-            lambda f: broken(f, "x.fmu", lambda d: d.replace('modelIdentifier="broken"', 'modelIdentifier="../x"')),
+            lambda f: broken(f, "x.fmu", lambda d: d.replace('modelIdentifier="broken"', 'modelIdentifier="$x"')),
             "is not an identifier",
         ),
         (

@@ -79,6 +79,7 @@ def ssd(
     system: str = "",
     elements: str = "",
     connectors: str = CONNECTORS,
+    enumerations: str = "",
     tail: str = "",
 ) -> str:
     wires = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
@@ -86,7 +87,7 @@ def ssd(
         f'{HEAD}<ssd:System name="s">{system}<ssd:Elements>'
         f'<ssd:Component name="a" source="resources/plant.fmu">{connectors}{a}</ssd:Component>'
         f'<ssd:Component name="b" source="resources/plant.fmu">{connectors}</ssd:Component>{elements}'
-        f"</ssd:Elements>{wires}</ssd:System>{UNITS}{tail}</ssd:SystemStructureDescription>"
+        f"</ssd:Elements>{wires}</ssd:System>{enumerations}{UNITS}{tail}</ssd:SystemStructureDescription>"
     ).replace("MAPPING", "")
 
 
@@ -201,6 +202,101 @@ def test_external_parameter_sets_and_mappings_are_read(folder):
     assert load(folder, ssd(a=bindings(text))).values["a"] == {"gain": 2.0}
 
 
+def test_a_mapping_of_the_system_transforms_like_one_of_a_component(folder):
+    mapping = (
+        '<ssd:ParameterMapping><ssm:ParameterMapping version="1.0"><ssm:MappingEntry source="k" target="a.gain">'
+        '<ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry></ssm:ParameterMapping>'
+        "</ssd:ParameterMapping>"
+    )
+    system = load(folder, ssd(system=bindings(inline(real("k", 10, "ft")).replace("MAPPING", mapping))))
+    assert system.values["a"] == {"gain": 2 * 3.048 + 1}
+
+
+def test_an_output_that_starts_at_a_value_of_ones_choice_can_be_given_one(folder):
+    assert load(folder, ssd(a=bindings(inline(real("height", 100, "m"))))).values["a"]["height"] == pytest.approx(
+        328.084
+    )
+
+
+def test_a_value_for_a_connected_input_is_listed_as_without_effect(folder):
+    system = load(folder, ssd(wire("b.height", "a.altitude"), a=bindings(inline(real("altitude", 3)))))
+    assert system.values["a"] == {}
+    assert any("'a.altitude' is connected to 'b.height'" in note for note in system.notes)
+
+
+def moded(folder: Path, items: str = "") -> None:
+    """The plant with an enumeration ``mode`` from ``command`` and Strings."""
+    items = items or '<Item name="off" value="0"/><Item name="on" value="3"/>'
+    kind = f'<SimpleType name="Mode"><Enumeration>{items}</Enumeration></SimpleType>'
+    types = f"<TypeDefinitions>{kind}</TypeDefinitions>"
+    names = [
+        fmus.variable("mode", "output", "Enumeration", 1, declaredType="Mode"),
+        fmus.variable("command", "input", "Enumeration", 2, declaredType="Mode"),
+        fmus.variable("text", "output", "String", 3),
+        fmus.variable("said", "input", "String", 4),
+    ]
+    text = fmus.describe("plant", names).replace("<ModelVariables>", f"{types}<ModelVariables>")
+    fmus.write(folder / "resources" / "plant.fmu", text)
+
+
+MODES = """<ssd:Connectors>
+  <ssd:Connector name="mode" kind="output"><ssc:Enumeration name="Mode"/></ssd:Connector>
+  <ssd:Connector name="command" kind="input"><ssc:Enumeration name="Mode"/></ssd:Connector>
+  <ssd:Connector name="text" kind="output"><ssc:String/></ssd:Connector>
+  <ssd:Connector name="said" kind="input"><ssc:String/></ssd:Connector>
+</ssd:Connectors>"""
+ENUMERATIONS = """<ssd:Enumerations><ssc:Enumeration name="Mode">
+  <ssc:Item name="aus" value="0"/><ssc:Item name="an" value="3"/>
+</ssc:Enumeration></ssd:Enumerations>"""
+
+
+def test_enumerations_connect_and_their_values_are_named(folder):
+    moded(folder)
+
+    def commanded(value):
+        text = bindings(inline(f'<ssv:Parameter name="command"><ssv:Enumeration value="{value}/></ssv:Parameter>'))
+        return load(folder, ssd(wire("a.mode", "b.command"), a=text, connectors=MODES, enumerations=ENUMERATIONS))
+
+    system = commanded('an" name="Mode"')
+    assert system.links == (Link("a.mode", "b.command"),) and system.values["a"] == {"command": 3}
+    assert not system.notes
+    assert commanded('on"').values["a"] == {"command": 3}
+    with pytest.raises(NavfmuError, match="parameter 'command' is 'ann', expected one of aus, an; did you mean 'an'"):
+        commanded('ann" name="Mode"')
+    with pytest.raises(NavfmuError, match="'command' = onn: expected one of off, on; did you mean 'on'"):
+        commanded('onn"')
+
+
+def test_an_enumeration_that_the_document_does_not_define_is_left_to_the_fmu_with_a_note(folder):
+    moded(folder)
+    system = load(folder, ssd(wire("a.mode", "b.command"), connectors=MODES))
+    assert system.links and all("the enumeration 'Mode' is not defined" in line for line in system.lenient)
+
+
+def test_enumerations_of_different_values_and_texts_are_refused_when_loading(folder):
+    moded(folder)
+    (folder / "resources" / "other.fmu").write_bytes((folder / "resources" / "plant.fmu").read_bytes())
+    moded(folder, '<Item name="off" value="0"/><Item name="on" value="1"/>')
+    text = ssd(wire("a.mode", "b.command"), connectors=MODES.replace('<ssc:Enumeration name="Mode"/>', ""))
+    text = text.replace("plant.fmu", "other.fmu", 1)
+    with pytest.raises(NavfmuError, match=r"one enumeration \(off = 0, on = 3\) to another \(off = 0, on = 1\)"):
+        load(folder, text)
+    with pytest.raises(NavfmuError, match="a String cannot be connected to a String"):
+        load(folder, ssd(wire("a.text", "b.said"), connectors=MODES, enumerations=ENUMERATIONS))
+    with pytest.raises(NavfmuError, match="a Integer cannot be connected to a String"):
+        load(folder, ssd(wire("a.mode", "b.said"), connectors=MODES, enumerations=ENUMERATIONS))
+
+
+def test_the_step_is_found_where_omsimulator_keeps_it(folder):
+    annotation = (
+        '<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations xmlns:oms="https://raw.githubuser'
+        'content.com/OpenModelica/OMSimulator/master/schema/oms.xsd"><oms:SimulationInformation><oms:FixedStepMaster '
+        'stepSize="0.25"/></oms:SimulationInformation></oms:Annotations></ssc:Annotation></ssd:Annotations></ssd:System>'
+    )
+    structure = load(folder, ssd(tail="<ssd:DefaultExperiment/>").replace("</ssd:System>", annotation)).structure
+    assert structure.step == 0.25 and structure.ignored == []
+
+
 def test_root_connectors_are_tolerated_and_listed(folder):
     system = '<ssd:Connectors><ssd:Connector name="y0" kind="output"/></ssd:Connectors>'
     text = ssd('<ssd:Connection startElement="a" startConnector="height" endConnector="y0"/>', system=system)
@@ -242,7 +338,7 @@ PACKAGE = '<ssd:Component name="c" source="x.ssp" type="application/x-ssp-packag
         (ssd(elements='<ssd:Component name="c" source="resources/none.fmu"/>'), "'resources/none.fmu' is missing"),
         (ssd(elements='<ssd:Component name="c" source="http://x.org/c.fmu"/>'), "expected a relative path"),
         (ssd(wire("a.height", "c.altitude")), "there is no component 'c'"),
-        (ssd(wire("a.heigth", "b.altitude")), "no connector 'heigth'; did you mean 'height'"),
+        (ssd(wire("a.heigth", "b.altitude")), "no variable 'heigth'; did you mean 'height'"),
         (ssd(wire("a.height", "b.temperature")), "the first is m, the second K"),
         (ssd(wire("a.height", "b.altitude") + wire("b.height", "b.altitude")), "'b.altitude' has two sources"),
         (ssd(wire("a.height", "b.flag")), "goes from output to output"),

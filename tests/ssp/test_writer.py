@@ -57,6 +57,14 @@ def test_a_bundle_connects_the_members_that_the_input_has(source):
     assert pairs == expected
 
 
+def test_the_step_is_said_as_libcosim_and_as_omsimulator_read_it(source):
+    text = source.files()["SystemStructure.ssd"]
+    (master,) = find(text, "ssd:System/ssd:Annotations/ssc:Annotation[@type='org.openmodelica']//oms:FixedStepMaster")
+    assert dict(master.attrib) == {"description": "oms-ma", "stepSize": "0.01", "relativeTolerance": "1e-06"}
+    (algorithm,) = find(text, "ssd:DefaultExperiment//osp:FixedStepAlgorithm")
+    assert algorithm.get("baseStepSize") == "0.01"
+
+
 def test_there_are_no_connectors_at_the_root_and_none_that_nothing_feeds(source):
     text = source.files()["SystemStructure.ssd"]
     assert find(text, "ssd:System/ssd:Connectors") == []
@@ -123,7 +131,7 @@ def test_writing_again_leaves_the_files_untouched(source, tmp_path):
         (lambda s: s.parameters("sensor", {"seed": 1.5}), "expected an integer"),
         (lambda s: s.parameters("sensor", {"aligned": "maybe"}), "expected true or false"),
         (lambda s: s.parameters("sensor", {"reading": 1}), "is a bundle"),
-        (lambda s: s.parameters("filter", {"rate": 1}), "cannot be set: it is output"),
+        (lambda s: s.parameters("filter", {"imu.lost": 1}), "cannot be set: it is output"),
         (lambda s: s.variant("poor"), "two variants named 'poor'"),
         (lambda s: s.pack("x.ssp", variant="pour"), "no variant 'pour'; did you mean 'poor'"),
     ],

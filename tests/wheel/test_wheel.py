@@ -1,4 +1,4 @@
-"""The wheel alone, in an empty environment: no repository, no casadi, no compiler."""
+"""The wheel alone, in an empty environment: no repository, no exporter's tools, no compiler."""
 
 import os
 import re
@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 FLY = """
 import sys
 from importlib.util import find_spec
-assert find_spec("casadi") is None and find_spec("ziglang") is None and find_spec("models") is None
+assert find_spec("ziglang") is None and find_spec("models") is None
 import navfmu
 assert "site-packages" in navfmu.__file__, navfmu.__file__
 from navfmu import System

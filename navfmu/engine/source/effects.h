@@ -43,6 +43,12 @@ static inline void leave(Master *m, int first_signal, int signals, int first_eff
     }
 }
 
+/* At t = 0 nothing lies ahead yet: what leaves is what every input gets. */
+static inline void no_step_yet(Master *m, const Component *c) {
+    memcpy(m->signal + 2 * m->signals + c->first_signal, m->signal + c->first_signal,
+           sizeof(double) * (size_t)(c->reals + c->integers + c->booleans));
+}
+
 /* Values just before communication point k + 1, where the effects of point k still act on the true values. */
 static inline void look_ahead(Master *m, const Component *c, int64_t k) {
     double *ahead = m->signal + 2 * m->signals;

@@ -2,6 +2,8 @@
 #ifndef NAVFMU_EXCHANGE_H
 #define NAVFMU_EXCHANGE_H
 
+#include <math.h>
+
 #include "effects.h"
 
 /* Kept out of the way of the calls that succeed and of components without faults. */
@@ -102,22 +104,31 @@ static inline int set_smooth(Master *m, Component *c) {
     return 0;
 }
 
-/* Set all inputs in initialisation mode. */
-static inline int set_initial(Master *m, Component *c) {
-    begin_smooth(m, c);
-    if (c->smooth.count)
-        TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, (size_t)c->smooth.count, c->start));
-    return set_held(m, c, 1);
-}
-
-static inline int exit_initialization(Master *m, Component *c) {
-    TRY(EXIT_INITIALIZATION, c->exit_initialization(c->instance));
-    return 0;
+/* A step to `end` was discarded: because the FMU wants to end the run? Then the step may have been made all the same. */
+static RARELY int discarded(Master *m, Component *c, double end) {
+    fmi2Boolean terminated = fmi2False;
+    fmi2Real last;
+    m->status = fmi2Discard;
+    m->last = NAN;
+    m->place->call = GET_BOOLEAN_STATUS;
+    if (c->get_boolean_status && c->get_boolean_status(c->instance, fmi2Terminated, &terminated) > fmi2Warning)
+        terminated = fmi2False;
+    m->place->call = GET_REAL_STATUS;
+    if (c->get_real_status && c->get_real_status(c->instance, fmi2LastSuccessfulTime, &last) <= fmi2Warning)
+        m->last = last;
+    m->place->call = DO_STEP;
+    if (!terminated) return 1;
+    m->status = fmi2OK;
+    m->ended = (int32_t)(c - m->component);
+    m->interrupt = 1;
+    return !(m->last > end - 1e-9 * m->step);
 }
 
 static inline int make_step(Master *m, Component *c, double t) {
-    TRY(DO_STEP, c->do_step(c->instance, t, m->step, c->never_back));
-    return 0;
+    m->place->call = DO_STEP;
+    fmi2Status status = c->do_step(c->instance, t, m->step, c->never_back);
+    if (status == fmi2OK) return 0;
+    return status == fmi2Discard ? discarded(m, c, time_of(m, m->place->k + 1)) : failed(m, c, status);
 }
 
 /* Read the outputs into `to`, the signals of the values that left or of the true ones. */
@@ -141,6 +152,7 @@ static inline int read_into(Master *m, Component *c, double *to) {
 static RARELY void disturb(Master *m, Component *c, int64_t k) {
     if (k > 0) look_ahead(m, c, k - 1);
     leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k);
+    if (k == 0) no_step_yet(m, c);
 }
 
 /* Outputs at communication point k, with the faults of that point. */

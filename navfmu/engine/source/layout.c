@@ -17,13 +17,17 @@ static const Field FIELDS[] = {
     FIELD(Effect, amount), FIELD(Effect, start), FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane),
     FIELD(Effect, multiplier), FIELD(Effect, divisor), FIELD(Effect, memory), FIELD(Effect, drawn),
 
+    WHOLE(Move), FIELD(Move, kind), FIELD(Move, component), FIELD(Move, type), FIELD(Move, reference),
+    FIELD(Move, slot), FIELD(Move, factor), FIELD(Move, offset),
+
     WHOLE(Inputs), FIELD(Inputs, count), FIELD(Inputs, scaled), FIELD(Inputs, references), FIELD(Inputs, source),
     FIELD(Inputs, factor), FIELD(Inputs, offset),
 
     WHOLE(Component), FIELD(Component, instance), FIELD(Component, set_real), FIELD(Component, set_integer),
     FIELD(Component, set_boolean), FIELD(Component, set_derivatives), FIELD(Component, get_real),
     FIELD(Component, get_integer), FIELD(Component, get_boolean), FIELD(Component, do_step),
-    FIELD(Component, exit_initialization), FIELD(Component, never_back), FIELD(Component, smooth),
+    FIELD(Component, exit_initialization), FIELD(Component, get_boolean_status), FIELD(Component, get_real_status),
+    FIELD(Component, never_back), FIELD(Component, smooth),
     FIELD(Component, real), FIELD(Component, integer), FIELD(Component, boolean), FIELD(Component, ahead),
     FIELD(Component, first_order), FIELD(Component, start), FIELD(Component, slope), FIELD(Component, real_value),
     FIELD(Component, integer_value), FIELD(Component, boolean_value), FIELD(Component, reals),
@@ -35,19 +39,22 @@ static const Field FIELDS[] = {
 
     WHOLE(Log), FIELD(Log, error), FIELD(Log, warning), FIELD(Log, errors), FIELD(Log, warnings),
 
-    WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, effect),
-    FIELD(Master, signal), FIELD(Master, components), FIELD(Master, signals), FIELD(Master, first_driven),
+    WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
+    FIELD(Master, effect), FIELD(Master, signal), FIELD(Master, components), FIELD(Master, moves),
+    FIELD(Master, signals), FIELD(Master, first_driven),
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
     FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
-    FIELD(Master, interrupt), FIELD(Master, status),
+    FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, last),
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE),
 
+    VALUE(MoveKind, READ), VALUE(MoveKind, GIVE), VALUE(MoveKind, LEAVE),
+
     VALUE(Call, SET_REAL), VALUE(Call, SET_INTEGER), VALUE(Call, SET_BOOLEAN), VALUE(Call, SET_DERIVATIVES),
     VALUE(Call, GET_REAL), VALUE(Call, GET_INTEGER), VALUE(Call, GET_BOOLEAN), VALUE(Call, DO_STEP),
-    VALUE(Call, EXIT_INITIALIZATION), VALUE(Call, LOAD), VALUE(Call, INSTANTIATE), VALUE(Call, SETUP_EXPERIMENT),
+    VALUE(Call, EXIT_INITIALIZATION), VALUE(Call, GET_BOOLEAN_STATUS), VALUE(Call, GET_REAL_STATUS), VALUE(Call, LOAD), VALUE(Call, INSTANTIATE), VALUE(Call, SETUP_EXPERIMENT),
     VALUE(Call, ENTER_INITIALIZATION), VALUE(Call, SET_STRING), VALUE(Call, GET_STATE), VALUE(Call, SET_STATE),
     VALUE(Call, FREE_STATE), VALUE(Call, TERMINATE), VALUE(Call, FREE_INSTANCE),
 };

@@ -1,5 +1,5 @@
 /* The run: initial values, steps, recording. */
-#include "exchange.h"
+#include "initial.h"
 
 static void drive(Master *m, int64_t k) {
     if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k);
@@ -17,18 +17,12 @@ static int outside(Master *m, int result) {
     return result;
 }
 
-/* From initialisation mode to t = 0: values are propagated in the order of the components. */
+/* From initialisation mode to t = 0. */
 API int initialise(Master *m) {
     m->place->k = 0;
     drive(m, 0);
-    for (int i = 0; i < m->components; i++) {
-        Component *c = at(m, i);
-        if (read_into(m, c, m->signal)) return FAILED; /* start values, for cycles */
-    }
-    for (int i = 0; i < m->components; i++) {
-        Component *c = at(m, m->order[i]);
-        if (set_initial(m, c) || exit_initialization(m, c) || read_outputs(m, c, 0)) return FAILED;
-    }
+    for (const Move *v = m->move; v < m->move + m->moves; v++)
+        if (make_move(m, v)) return FAILED;
     record(m, 0);
     return outside(m, DONE);
 }
@@ -40,7 +34,7 @@ API int advance(Master *m, int64_t until) {
     int (*step)(Master *) = m->algorithm ? gauss_seidel : jacobi;
     while (place->k < until) {
         if (*(volatile int32_t *)&m->interrupt) return outside(m, INTERRUPTED);
-        if (step(m)) return FAILED;
+        if (step(m)) return m->status == fmi2OK ? outside(m, INTERRUPTED) : FAILED;
         place->k++;
         drive(m, place->k);
         if (place->k == next) {

@@ -29,6 +29,17 @@ typedef struct {
     int64_t drawn;                /* NOISE: j of the memory */
 } Effect;
 
+/* A move from initialisation mode to t = 0; see navfmu/engine/initial.py. LEAVE concerns all inputs and outputs. */
+typedef enum { READ, GIVE, LEAVE } MoveKind;
+
+typedef struct {
+    int32_t kind, component;
+    int32_t type;                 /* 0 Real, 1 Integer, 2 Boolean */
+    fmi2ValueReference reference;
+    int32_t slot;                 /* the signal that is read; input = factor * signal[slot] + offset */
+    double factor, offset;
+} Move;
+
 /* Inputs of one type that are set by one call: input i = factor[i] * signal[source[i]] + offset[i]. */
 typedef struct {
     int32_t count;
@@ -49,7 +60,9 @@ typedef struct {
     fmi2GetBooleanTYPE *get_boolean;
     fmi2DoStepTYPE *do_step;
     fmi2ExitInitializationModeTYPE *exit_initialization;
-    fmi2Boolean never_back;       /* it cannot restore a state */
+    fmi2GetBooleanStatusTYPE *get_boolean_status; /* NULL where an FMU lacks it; so the next */
+    fmi2GetRealStatusTYPE *get_real_status;
+    fmi2Boolean never_back;       /* no snapshot is held: no state before this communication point will be set */
 
     Inputs smooth, real, integer, boolean;
     const int32_t *ahead;         /* smooth: signal at the end of the step, with the fault at its beginning */
@@ -71,8 +84,8 @@ typedef struct {
 /* Calls to an FMU: those of the loop first, then those that the caller of the loop makes. */
 typedef enum {
     SET_REAL, SET_INTEGER, SET_BOOLEAN, SET_DERIVATIVES, GET_REAL, GET_INTEGER, GET_BOOLEAN, DO_STEP,
-    EXIT_INITIALIZATION, LOAD, INSTANTIATE, SETUP_EXPERIMENT, ENTER_INITIALIZATION, SET_STRING, GET_STATE, SET_STATE,
-    FREE_STATE, TERMINATE, FREE_INSTANCE
+    EXIT_INITIALIZATION, GET_BOOLEAN_STATUS, GET_REAL_STATUS, LOAD, INSTANTIATE, SETUP_EXPERIMENT,
+    ENTER_INITIALIZATION, SET_STRING, GET_STATE, SET_STATE, FREE_STATE, TERMINATE, FREE_INSTANCE
 } Call;
 
 /* How far a run is and which call it is in, written before each call: what is left when an FMU ends the process. */
@@ -93,10 +106,11 @@ typedef struct {
 typedef struct {
     Place *place;
     Component *component;         /* in the order of the system description */
-    const int32_t *order;         /* in which they initialise and, in Gauss-Seidel, step */
+    const int32_t *order;         /* in which they step in Gauss-Seidel */
+    const Move *move;             /* how the values of t = 0 come about */
     Effect *effect;
     double *signal;               /* the values that left, then the true ones, then those ahead */
-    int32_t components, signals;
+    int32_t components, moves, signals;
     int32_t first_driven, driven; /* driven signals are the last ones */
     int32_t first_driven_effect, driven_effects;
     int32_t algorithm;            /* 0 Jacobi, 1 Gauss-Seidel */
@@ -108,7 +122,9 @@ typedef struct {
 
     double step, numerator, denominator; /* t_k = k * numerator / denominator */
     int32_t interrupt;            /* set to 1 from another thread to stop at the next communication point */
-    int32_t status;               /* what the call at `place` returned when it failed */
+    int32_t status;               /* what the call at `place` returned when it failed; fmi2OK: it ended the run */
+    int32_t ended;                /* the component that has ended the run (fmi2Terminated), -1: none */
+    double last;                  /* s, how far a step that was discarded got, as the FMU says; else NaN */
 } Master;
 
 /* Return values of initialise and advance; after FAILED `place` says which call it was. */

@@ -8,17 +8,6 @@
 #include "fmi2Functions.h"
 #include "instance.h"
 
-enum { LOG_EVENTS = 1, LOG_WARNINGS = 2, LOG_ERRORS = 4, LOG_ALL = 7 };
-
-static const struct {
-    const char *name;
-    int bits;
-} categories[] = {
-    {"logEvents", LOG_EVENTS},
-    {"logStatusWarning", LOG_WARNINGS},
-    {"logStatusError", LOG_ERRORS},
-    {"logAll", LOG_ALL},
-};
 #define CATEGORY_COUNT (sizeof categories / sizeof categories[0])
 
 typedef struct {
@@ -37,7 +26,7 @@ typedef struct {
     uint64_t size; /* of the block that follows */
 } Snapshot;
 
-static const char snapshot_magic[8] = {'n', 'a', 'v', 'f', 'm', 'u', '0', '1'};
+static const char snapshot_magic[8] = {'n', 'a', 'v', 'f', 'm', 'u', '0', '2'};
 
 /* ---- reports ---- */
 
@@ -56,27 +45,19 @@ static void send(Slave *slave, fmi2Status status, const char *category, const ch
 
 static void report(Instance *self, Severity severity, const char *sentence) {
     Slave *slave = self->host;
-    static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
-    if (slave->log & categories[severity].bits) send(slave, statuses[severity], categories[severity].name, sentence);
-}
-
-static const char *phase_name(int64_t phase) {
-    switch (phase) {
-        case INSTANTIATED: return "before initialisation";
-        case INITIALIZATION: return "in initialisation mode";
-        case STEPPING: return "after initialisation";
-        default: return "after fmi2Terminate";
-    }
+    if (!(slave->log & categories[severity].bits)) return;
+    send(slave, (fmi2Status)categories[severity].status, categories[severity].name, sentence);
 }
 
 /* The slave, when the call is allowed now; else NULL after saying so. */
-static Slave *allowed(fmi2Component component, const char *function, int phases) {
+static inline Slave *allowed(fmi2Component component, const char *function, int phases) {
     Slave *slave = component;
     if (!slave) return NULL;
     if (slave->core.state->phase & phases) return slave;
-    instance_say(&slave->core, ERROR, "%s is not allowed %s.", function, phase_name(slave->core.state->phase));
+    instance_say(&slave->core, SAY_NOT_ALLOWED, function, phase_name(slave->core.state->phase));
     return NULL;
 }
+#define ALLOWED(component, function) allowed(component, #function, IN_##function)
 
 static fmi2Status refuse(Slave *slave, const char *sentence) {
     if (slave) instance_say(&slave->core, ERROR, "%s", sentence);
@@ -101,13 +82,12 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, co
         size_t k = 0;
         while (k < CATEGORY_COUNT && strcmp(names[i], categories[k].name) != 0) k++;
         if (k == CATEGORY_COUNT) {
-            instance_say(&slave->core, ERROR, "There is no log category '%s'; expected logEvents, logStatusWarning, "
-                         "logStatusError or logAll.", names[i]);
+            instance_say(&slave->core, ERROR, "There is no log category '%s'; expected " CATEGORY_NAMES ".", names[i]);
             return fmi2Error;
         }
         log |= categories[k].bits;
     }
-    slave->log = on ? log : LOG_WARNINGS | LOG_ERRORS;
+    slave->log = on ? log : LOG_UNASKED;
     slave->core.log_events = slave->log & LOG_EVENTS;
     return fmi2OK;
 }
@@ -130,7 +110,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     slave->core.report = report;
     slave->logger = functions ? functions->logger : NULL;
     slave->environment = functions ? functions->componentEnvironment : NULL;
-    slave->log = logging ? LOG_ALL : LOG_WARNINGS | LOG_ERRORS;
+    slave->log = logging ? LOG_ALL : LOG_UNASKED;
     slave->core.log_events = slave->log & LOG_EVENTS;
     if (name) slave->name = malloc(strlen(name) + 1);
     if (slave->name) strcpy(slave->name, name);
@@ -160,32 +140,33 @@ void fmi2FreeInstance(fmi2Component c) {
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stop_defined, fmi2Real stop) {
     (void)tolerance_defined, (void)tolerance;
-    Slave *slave = allowed(c, "fmi2SetupExperiment", INSTANTIATED);
+    Slave *slave = ALLOWED(c, fmi2SetupExperiment);
     if (!slave) return fmi2Error;
-    if (!isfinite(start) || (stop_defined && !(stop >= start))) {
-        instance_say(&slave->core, ERROR, "The experiment from %.9g s to %.9g s is not an interval of time.", start, stop);
+    if (!stop_defined) stop = INFINITY;
+    if (!isfinite(start) || !(stop >= start)) {
+        instance_say(&slave->core, SAY_NO_INTERVAL, start == start ? start : NAN, stop == stop ? stop : NAN);
         return fmi2Error;
     }
     slave->core.state->start = slave->core.state->time = start;
-    slave->core.state->stop = stop_defined ? stop : INFINITY;
+    slave->core.state->stop = stop;
     return fmi2OK;
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    Slave *slave = allowed(c, "fmi2EnterInitializationMode", INSTANTIATED);
+    Slave *slave = ALLOWED(c, fmi2EnterInitializationMode);
     if (!slave) return fmi2Error;
     slave->core.state->phase = INITIALIZATION;
     return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    Slave *slave = allowed(c, "fmi2ExitInitializationMode", INITIALIZATION);
+    Slave *slave = ALLOWED(c, fmi2ExitInitializationMode);
     if (!slave) return fmi2Error;
     return instance_start(&slave->core) == 0 ? fmi2OK : fmi2Error;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    Slave *slave = allowed(c, "fmi2Terminate", STEPPING);
+    Slave *slave = ALLOWED(c, fmi2Terminate);
     if (!slave) return fmi2Error;
     slave->core.state->phase = TERMINATED;
     return fmi2OK;
@@ -207,11 +188,10 @@ static const char *type_name(int access) {
 
 static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int type) {
     if (reference >= (unsigned)model.variable_count) {
-        instance_say(&slave->core, ERROR, "There is no variable with value reference %u; expected a value below %d.",
-                     reference, model.variable_count);
+        instance_say(&slave->core, SAY_NO_VARIABLE, reference, model.variable_count);
     } else {
-        instance_say(&slave->core, ERROR, "Variable '%s' (value reference %u) is %s, not %s.",
-                     model.variables[reference].name, reference, type_name(model.access[reference]), type_name(type));
+        instance_say(&slave->core, SAY_OTHER_TYPE, model.variables[reference].name, reference,
+                     type_name(model.access[reference]), type_name(type));
     }
     return fmi2Error;
 }
@@ -220,28 +200,16 @@ static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, int typ
     if (reference >= (unsigned)model.variable_count || !(model.access[reference] & type)) {
         return refuse_get(slave, reference, type);
     }
-    const int access = model.access[reference];
-    const char *why = slave->core.state->phase == TERMINATED ? "nothing can be set then"
-                      : access & SET_INSTANTIATED ? "it is fixed once initialisation has ended" : "it is calculated";
-    instance_say(&slave->core, ERROR, "Variable '%s' cannot be set %s: %s.", model.variables[reference].name,
-                 phase_name(slave->core.state->phase), why);
+    instance_say(&slave->core, SAY_NOT_SETTABLE, model.variables[reference].name,
+                 phase_name(slave->core.state->phase),
+                 model.access[reference] & ~TYPES ? WHY_FIXED : WHY_CALCULATED);
     return fmi2Error;
 }
 
-/* Before values are read: in initialisation mode, calculated outputs follow what was set so far. */
-static inline void before_get(Slave *slave) {
-    if (model.has_calculated && slave->core.state->phase == INITIALIZATION) instance_preview(&slave->core);
-}
-
-/* Before values are set. Returns the bit of `access` that allows it now. */
-static inline int before_set(Slave *slave) {
-    instance_undo_preview(&slave->core);
-    switch (slave->core.state->phase) {
-        case INSTANTIATED: return SET_INSTANTIATED;
-        case INITIALIZATION: return SET_INITIALIZATION;
-        case STEPPING: return SET_STEP;
-        default: return 256; /* a bit that no variable has */
-    }
+/* Before values are read: in initialisation mode, what is calculated follows what was set so far. */
+static inline int before_get(Slave *slave) {
+    if (!model.has_calculated || slave->core.state->phase != INITIALIZATION) return 0;
+    return instance_preview(&slave->core);
 }
 
 static inline int has(fmi2ValueReference reference, int bits) {
@@ -250,8 +218,7 @@ static inline int has(fmi2ValueReference reference, int bits) {
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[]) {
     Slave *slave = c;
-    if (!slave) return fmi2Error;
-    before_get(slave);
+    if (!slave || before_get(slave)) return fmi2Error;
     const double *v = slave->core.v;
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], REAL)) return refuse_get(slave, vr[i], REAL);
@@ -262,8 +229,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t co
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Integer value[]) {
     Slave *slave = c;
-    if (!slave) return fmi2Error;
-    before_get(slave);
+    if (!slave || before_get(slave)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], INTEGER)) return refuse_get(slave, vr[i], INTEGER);
         value[i] = nearest_int(slave->core.v[vr[i]]);
@@ -273,8 +239,7 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Boolean value[]) {
     Slave *slave = c;
-    if (!slave) return fmi2Error;
-    before_get(slave);
+    if (!slave || before_get(slave)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], BOOLEAN)) return refuse_get(slave, vr[i], BOOLEAN);
         value[i] = slave->core.v[vr[i]] != 0 ? fmi2True : fmi2False;
@@ -287,45 +252,43 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
 }
 
+/* The bit of variables whose value must lie in its range at once: those of parameters that change while the instance
+   runs. Before, all parameters are checked when initialisation ends. */
+static inline int ranged(const Slave *slave) {
+    return slave->core.state->phase == STEPPING ? TUNABLE : 0;
+}
+
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Real value[]) {
-    Slave *slave = c;
+    Slave *slave = ALLOWED(c, fmi2SetReal);
     if (!slave) return fmi2Error;
-    const int bits = REAL | before_set(slave);
-    double *v = slave->core.v;
+    const int bits = REAL | (int)slave->core.state->phase, check = ranged(slave);
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], bits)) return refuse_set(slave, vr[i], REAL);
-        if ((bits & SET_STEP) && (model.access[vr[i]] & TUNABLE) && !instance_in_range(&slave->core, (int)vr[i], value[i]))
-            return fmi2Error;
-        v[vr[i]] = value[i];
+        if ((model.access[vr[i]] & check) && !instance_in_range(&slave->core, (int)vr[i], value[i])) return fmi2Error;
     }
-    if (slave->core.state->slopes_set) { /* a new value has no derivative until one is set */
-        for (size_t i = 0; i < count; i++) {
-            if (model.input_slot[vr[i]] >= 0) slave->core.slopes[model.input_slot[vr[i]]] = 0.0;
-        }
-    }
+    instance_undo_preview(&slave->core);
+    for (size_t i = 0; i < count; i++) slave->core.v[vr[i]] = value[i];
     return fmi2OK;
 }
 
-static fmi2Status set_ints(fmi2Component c, const fmi2ValueReference vr[], size_t count, const int value[], int type) {
-    Slave *slave = c;
+static fmi2Status set_ints(Slave *slave, const fmi2ValueReference vr[], size_t count, const int value[], int type) {
     if (!slave) return fmi2Error;
-    const int bits = type | before_set(slave);
+    const int bits = type | (int)slave->core.state->phase, check = ranged(slave);
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], bits)) return refuse_set(slave, vr[i], type);
-        double number = type == BOOLEAN ? value[i] != fmi2False : value[i];
-        if ((bits & SET_STEP) && (model.access[vr[i]] & TUNABLE) && !instance_in_range(&slave->core, (int)vr[i], number))
-            return fmi2Error;
-        slave->core.v[vr[i]] = number;
+        if ((model.access[vr[i]] & check) && !instance_in_range(&slave->core, (int)vr[i], value[i])) return fmi2Error;
     }
+    instance_undo_preview(&slave->core);
+    for (size_t i = 0; i < count; i++) slave->core.v[vr[i]] = type == BOOLEAN ? value[i] != fmi2False : value[i];
     return fmi2OK;
 }
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Integer value[]) {
-    return set_ints(c, vr, count, value, INTEGER);
+    return set_ints(ALLOWED(c, fmi2SetInteger), vr, count, value, INTEGER);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Boolean value[]) {
-    return set_ints(c, vr, count, value, BOOLEAN);
+    return set_ints(ALLOWED(c, fmi2SetBoolean), vr, count, value, BOOLEAN);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2String value[]) {
@@ -335,19 +298,18 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                        const fmi2Integer order[], const fmi2Real value[]) {
-    Slave *slave = allowed(c, "fmi2SetRealInputDerivatives", INITIALIZATION | STEPPING);
+    Slave *slave = ALLOWED(c, fmi2SetRealInputDerivatives);
     if (!slave) return fmi2Error;
-    instance_undo_preview(&slave->core);
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], REAL)) return refuse_get(slave, vr[i], REAL);
         if (model.input_slot[vr[i]] < 0 || order[i] != 1) {
-            instance_say(&slave->core, ERROR, "A derivative of order %d was set for '%s'; expected order 1 and a "
-                         "continuous Real input.", order[i], model.variables[vr[i]].name);
+            instance_say(&slave->core, SAY_NO_SLOPE, order[i], model.variables[vr[i]].name);
             return fmi2Error;
         }
-        slave->core.slopes[model.input_slot[vr[i]]] = value[i];
-        slave->core.state->slopes_set = 1;
     }
+    instance_undo_preview(&slave->core);
+    for (size_t i = 0; i < count; i++) slave->core.slopes[model.input_slot[vr[i]]] = value[i];
+    if (count) slave->core.state->slopes_set = 1;
     return fmi2OK;
 }
 
@@ -367,29 +329,11 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 /* ---- stepping ---- */
 
-static fmi2Status step(Slave *slave, double time, double h) {
-    Instance *core = &slave->core;
-    const double end = time + h, slack = 1e-9 * (1.0 + fabs(end));
-    if (!(h >= 0) || !isfinite(end)) {
-        instance_say(core, ERROR, "The communication step size is %.9g s at %.9g s; expected a positive number.", h, time);
-    } else if (fabs(time - core->state->time) > slack) {
-        instance_say(core, ERROR, "A step from %.9g s was asked for, but this instance is at %.9g s; to go back, restore "
-                     "a saved state.", time, core->state->time);
-    } else if (end > core->state->stop + slack) {
-        instance_say(core, ERROR, "A step to %.9g s was asked for, but the experiment ends at %.9g s.", end,
-                     core->state->stop);
-    } else {
-        instance_advance(core, end);
-        return fmi2OK;
-    }
-    return fmi2Error;
-}
-
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
     (void)no_return;
-    Slave *slave = allowed(c, "fmi2DoStep", STEPPING);
+    Slave *slave = ALLOWED(c, fmi2DoStep);
     if (!slave) return fmi2Error;
-    return slave->last_step = step(slave, time, h);
+    return slave->last_step = instance_step(&slave->core, time, h) == 0 ? fmi2OK : fmi2Error;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
@@ -443,7 +387,7 @@ static int belongs(Slave *slave, const void *bytes, size_t size) {
         strncmp(head.guid, model.guid, sizeof head.guid - 1) == 0 && head.size == slave->core.state_size) {
         return 1;
     }
-    instance_say(&slave->core, ERROR, "This is not a saved state of this build of '%s'.", model.identifier);
+    instance_say(&slave->core, SAY_OTHER_STATE, model.identifier);
     return 0;
 }
 

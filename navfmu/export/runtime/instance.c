@@ -18,6 +18,11 @@ void instance_say(Instance *self, Severity severity, const char *format, ...) {
     self->report(self, severity, sentence);
 }
 
+/* A value as it is printed: there is one NaN, without a sign. */
+static double shown(double value) {
+    return value == value ? value : (double)NAN;
+}
+
 int nearest_int(double value) {
     if (!(value > -2147483648.0)) return value != value ? 0 : -2147483647 - 1;
     if (value >= 2147483647.0) return 2147483647;
@@ -57,10 +62,6 @@ static size_t lay_out(Instance *self, char *base) {
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
     self->rows = take(base, &size, at_least_one(model.row_values), sizeof(double));
-    self->work = take(base, &size, at_least_one(model.size_w), sizeof(double));
-    self->int_work = take(base, &size, at_least_one(model.size_iw), sizeof(long long int));
-    self->arguments = take(base, &size, at_least_one(model.size_arg) + 4, sizeof(double *));
-    self->results = take(base, &size, at_least_one(model.size_res) + 1, sizeof(double *));
     if (base) lay_out_state(self, state);
     return size;
 }
@@ -101,20 +102,30 @@ void instance_reset(Instance *self) {
 
 /* ---- tasks ---- */
 
-static void run(Instance *self, const Task *task, int64_t k, double time, double period) {
+/* Integers hold whole numbers of 32 bits; anything else is refused, so that no fraction, infinity or NaN hides in one.
+   Returns 0, or 1 after reporting. */
+static int check_wholes(Instance *self, const Task *task) {
+    for (int i = 0; i < task->whole_count; i++) {
+        double *value = &self->result[task->wholes[i]];
+        if (!(*value >= -2147483648.0 && *value <= 2147483647.0 && *value == (int)*value)) {
+            instance_say(self, SAY_NOT_WHOLE, model.variables[task->targets[task->wholes[i]]].name, shown(*value));
+            return 1;
+        }
+        *value += 0.0; /* there is no Integer -0 */
+    }
+    return 0;
+}
+
+static int run(Instance *self, const Task *task, int64_t k, double time, double period) {
     if (task->normals) {
         uint64_t key[2] = {(uint64_t)nearest_int(self->v[model.seed]), (uint64_t)nearest_int(self->v[model.stream])};
         standard_normals(key, (uint64_t)k, task->stream, self->noise, task->normals);
     }
-    self->clock[0] = time;
-    self->clock[1] = period;
-    self->arguments[0] = self->v;
-    self->arguments[1] = self->noise;
-    self->arguments[2] = self->clock;
-    self->arguments[3] = self->rows;
-    self->results[0] = self->result;
-    task->evaluate(self->arguments, self->results, self->int_work, self->work, 0);
+    const double clock[2] = {time, period};
+    task->evaluate(self->v, self->noise, clock, self->rows, self->result);
+    if (check_wholes(self, task)) return 1;
     for (int i = 0; i < task->target_count; i++) self->v[task->targets[i]] = self->result[i];
+    return 0;
 }
 
 static void look_up(Instance *self, double time) {
@@ -125,18 +136,21 @@ static void look_up(Instance *self, double time) {
     }
 }
 
-static void run_start_tasks(Instance *self) {
+static int run_start_tasks(Instance *self) {
     look_up(self, self->state->start);
     for (int i = 0; i < model.task_count; i++) {
-        if (model.tasks[i].kind == ON_START) run(self, &model.tasks[i], 0, self->state->start, 0.0);
+        if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start, 0.0)) return 1;
     }
+    return 0;
 }
 
-void instance_preview(Instance *self) {
-    if (self->previewed) return;
+int instance_preview(Instance *self) {
+    if (self->previewed) return 0;
     memcpy(self->before, self->state, self->state_size);
-    run_start_tasks(self);
     self->previewed = 1;
+    if (run_start_tasks(self) == 0) return 0;
+    instance_undo_preview(self);
+    return 1;
 }
 
 void instance_undo_preview(Instance *self) {
@@ -146,38 +160,63 @@ void instance_undo_preview(Instance *self) {
 }
 
 /* Run the task if the bundle's number has changed and its time has come. */
-static void run_on_new(Instance *self, int i, double time, double tolerance) {
+static int run_on_new(Instance *self, int i, double time, double tolerance) {
     const Task *task = &model.tasks[i];
     int64_t sequence = nearest_int(self->v[task->sequence]);
     int64_t jump = sequence - self->last[i];
-    if (jump == 0 || !(self->v[task->validity] <= time + tolerance)) return;
+    if (jump == 0 || !(self->v[task->validity] <= time + tolerance)) return 0;
     self->last[i] = sequence;
     if (jump > 1 && task->lost >= 0) {
         self->v[task->lost] += (double)(jump - 1);
         if (self->log_events) {
-            instance_say(self, EVENT, "At %.9g s %lld samples of '%s' were lost: the communication step is longer than "
-                         "their period.", time, (long long)(jump - 1), model.variables[task->sequence].name);
+            instance_say(self, SAY_LOST, time, (double)(jump - 1), model.variables[task->sequence].name);
         }
     }
-    run(self, task, sequence, time, self->v[model.clocks[task->clock]]);
+    return run(self, task, sequence, time, self->v[model.clocks[task->clock]]);
 }
 
-/* A time is due when it is not later than another one by more than rounding: that of the period, and that of the
-   host's times, which is large when the experiment does not start near 0 (seconds of a calendar). */
-static double tolerance_of(double period, double start, double end) {
-    return 1e-9 * period + 4 * DBL_EPSILON * fmax(fabs(start), fabs(end));
+/* ---- time ---- */
+
+/* A time is due when it is not later than another one by more than rounding: that of the period, and this, that of
+   the host's times, which is large when the experiment does not start near 0 (seconds of a calendar). */
+static double rounding_of(double start, double end) {
+    return 4 * DBL_EPSILON * fmax(fabs(start), fabs(end));
 }
 
 static double due_time(const Instance *self, int clock) {
     return (double)(self->counts[clock] + 1) * self->v[model.clocks[clock]];
 }
 
-/* One tick: all clocks that are due at its time, then all tasks in the order of their declaration. */
-static void tick(Instance *self, double elapsed, double tolerance, double origin) {
+/* Move the clock to the end of a step. A host that adds up its time (t += h) is off by a rounding for each step, and
+   what is due at the end of a step would seem to lie behind it. So the steps are added up here without rounding
+   (Knuth's sum of two numbers). The host's own clock stays the judge: the sum may differ from it by no more than its
+   resolution, which is that of its numbers and what adding up so many steps from 0 costs. */
+static void move_clock(State *s, double h, double end) {
+    const double before = s->elapsed, clock = end - s->start;
+    const double sum = s->elapsed + h, part = sum - s->elapsed;
+    s->rest += (s->elapsed - (sum - part)) + (h - part);
+    s->elapsed = sum + s->rest;
+    s->rest -= s->elapsed - sum;
+    s->steps++;
+    const double ahead = s->elapsed - clock;
+    if (!(fabs(ahead) <= 2 * DBL_EPSILON * clock)) { /* which is less than the resolution */
+        const double numbers = fmax(fabs(s->start), fabs(end)), adding = (double)(s->steps + 1) * fabs(clock);
+        const double resolution = DBL_EPSILON * (numbers + adding);
+        if (!(fabs(ahead) <= resolution)) {
+            s->elapsed = clock + copysign(resolution, ahead);
+            s->rest = 0.0;
+        }
+    }
+    if (s->elapsed < before) s->elapsed = before; /* it never runs backwards */
+}
+
+/* One tick: all clocks that are due at its time, then all tasks in the order of their declaration. Inputs have moved
+   along their derivatives for `since` seconds. */
+static int tick(Instance *self, double elapsed, double tolerance, double since) {
     const double time = self->state->start + elapsed;
     if (self->state->slopes_set) {
         for (int i = 0; i < model.input_count; i++) {
-            self->v[model.inputs[i]] = self->held[i] + self->slopes[i] * (time - origin);
+            if (self->slopes[i] != 0) self->v[model.inputs[i]] = self->held[i] + self->slopes[i] * since;
         }
     }
     look_up(self, time);
@@ -191,27 +230,31 @@ static void tick(Instance *self, double elapsed, double tolerance, double origin
     for (int i = 0; i < model.task_count; i++) {
         const Task *task = &model.tasks[i];
         if (task->kind == ON_NEW) {
-            run_on_new(self, i, time, tolerance);
+            if (run_on_new(self, i, time, tolerance)) return 1;
         } else if (task->kind == ON_CLOCK && due >> task->clock & 1) {
-            run(self, task, self->counts[task->clock], time, self->v[model.clocks[task->clock]]);
+            if (run(self, task, self->counts[task->clock], time, self->v[model.clocks[task->clock]])) return 1;
         }
     }
+    return 0;
 }
 
-void instance_advance(Instance *self, double end) {
-    const double origin = self->state->time, elapsed_end = end - self->state->start;
+/* All ticks up to and including the time `end`. */
+static int advance(Instance *self, double h, double end) {
+    const double start = self->state->start, origin = self->state->time - start, rounding = rounding_of(start, end);
     if (self->state->slopes_set) {
         for (int i = 0; i < model.input_count; i++) self->held[i] = self->v[model.inputs[i]];
     }
-    while (model.clock_count) {
+    move_clock(self->state, h, end);
+    int failed = 0;
+    while (model.clock_count && !failed) {
         int first = 0;
         for (int c = 1; c < model.clock_count; c++) {
             if (due_time(self, c) < due_time(self, first)) first = c;
         }
         const double due = due_time(self, first);
-        const double tolerance = tolerance_of(self->v[model.clocks[first]], self->state->start, end);
-        if (!(due <= elapsed_end + tolerance)) break;
-        tick(self, due, tolerance, origin);
+        const double tolerance = 1e-9 * self->v[model.clocks[first]] + rounding;
+        if (!(due <= self->state->elapsed + tolerance)) break;
+        failed = tick(self, due, tolerance, due - origin);
     }
     if (self->state->slopes_set) {
         for (int i = 0; i < model.input_count; i++) {
@@ -220,7 +263,36 @@ void instance_advance(Instance *self, double end) {
         }
         self->state->slopes_set = 0;
     }
-    self->state->time = end;
+    if (!failed && end > self->state->time) self->state->time = end;
+    return failed;
+}
+
+/* Whether a step from this time to that may be made now, which is so within rounding and a part of the step. */
+static int fits_in(Instance *self, double time, double h, double end) {
+    const State *s = self->state;
+    const double rounding = 8 * DBL_EPSILON * fmax(fabs(s->start), fabs(end));
+    const double slack = 1e-9 * (1.0 + fabs(end - s->start));
+    if (fabs(time - s->time) > fmin(slack, 0.5 * h) + rounding) {
+        instance_say(self, SAY_OTHER_TIME, time, s->time);
+    } else if (end > s->stop + slack + rounding) {
+        instance_say(self, SAY_PAST_STOP, end, s->stop);
+    } else {
+        return 1;
+    }
+    return 0;
+}
+
+int instance_step(Instance *self, double time, double h) {
+    const double end = time + h;
+    if (!(h > 0) || !isfinite(end)) {
+        instance_say(self, SAY_NO_STEP, shown(h), shown(time));
+        return 1;
+    }
+    const int plain = fabs(time - self->state->time) <= 1e-9 * h && end <= self->state->stop;
+    if (!plain && !fits_in(self, time, h, end)) return 1;
+    if (advance(self, h, end) == 0) return 0;
+    self->state->phase = FAILED;
+    return 1;
 }
 
 /* ---- parameters ---- */
@@ -229,15 +301,15 @@ int instance_in_range(Instance *self, int index, double value) {
     const Variable *variable = &model.variables[index];
     if (value >= variable->min && value <= variable->max) return 1;
     const char *space = *variable->unit ? " " : "", *unit = variable->unit;
+    value = shown(value);
     if (isfinite(variable->min) && isfinite(variable->max)) {
-        instance_say(self, ERROR, "Parameter '%s' is %.9g%s%s; expected a value from %.9g to %.9g%s%s.", variable->name,
-                     value, space, unit, variable->min, variable->max, space, unit);
-    } else if (isfinite(variable->min) || isfinite(variable->max)) {
-        instance_say(self, ERROR, "Parameter '%s' is %.9g%s%s; expected a value of at %s %.9g%s%s.", variable->name, value,
-                     space, unit, isfinite(variable->min) ? "least" : "most",
-                     isfinite(variable->min) ? variable->min : variable->max, space, unit);
+        instance_say(self, SAY_BETWEEN, variable->name, value, space, unit, variable->min, variable->max, space, unit);
+    } else if (isfinite(variable->min)) {
+        instance_say(self, SAY_AT_LEAST, variable->name, value, space, unit, variable->min, space, unit);
+    } else if (isfinite(variable->max)) {
+        instance_say(self, SAY_AT_MOST, variable->name, value, space, unit, variable->max, space, unit);
     } else {
-        instance_say(self, ERROR, "Parameter '%s' is not a number.", variable->name);
+        instance_say(self, SAY_NO_NUMBER, variable->name);
     }
     return 0;
 }
@@ -248,7 +320,7 @@ static void report_check(Instance *self, const Check *check) {
     const int *value = check->values;
     for (const char *c = check->message; *c && length + 32 < sizeof sentence; c++) {
         if (c[0] == '{' && c[1] == '}') {
-            length += (size_t)snprintf(sentence + length, 32, "%.6g", self->v[*value++]);
+            length += (size_t)snprintf(sentence + length, 32, "%.6g", shown(self->v[*value++]));
             c++;
         } else {
             sentence[length++] = *c;
@@ -266,14 +338,12 @@ static int parameters_hold(Instance *self) {
     for (int c = 0; c < model.clock_count && good; c++) {
         double period = self->v[model.clocks[c]];
         if (isfinite(period) && period > 0) continue;
-        instance_say(self, ERROR, "Parameter '%s' is %.9g s; expected a period longer than 0 s.",
-                     model.variables[model.clocks[c]].name, period);
+        instance_say(self, SAY_NO_PERIOD, model.variables[model.clocks[c]].name, shown(period));
         good = 0;
     }
     for (int i = 0; i < model.check_count && good; i++) {
-        self->arguments[0] = self->v;
-        self->results[0] = self->result;
-        model.checks[i].holds(self->arguments, self->results, self->int_work, self->work, 0);
+        const double clock[2] = {0.0, 0.0};
+        model.checks[i].holds(self->v, self->noise, clock, self->rows, self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
             report_check(self, &model.checks[i]);
             good = 0;
@@ -284,9 +354,9 @@ static int parameters_hold(Instance *self) {
 
 int instance_start(Instance *self) {
     instance_undo_preview(self);
-    if (!parameters_hold(self)) return 1;
+    if (!parameters_hold(self) || instance_preview(self)) return 1;
+    self->previewed = 0; /* what was calculated stays */
     self->state->time = self->state->start;
-    run_start_tasks(self);
     self->state->phase = STEPPING;
     return 0;
 }

@@ -8,13 +8,12 @@
 #include "model.h"
 #include "table.h"
 
-typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8 } Phase;
-typedef enum { EVENT, WARNING, ERROR } Severity;
-
 /* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last; saving, restoring and resetting are copies of it. */
 typedef struct {
-    double time;        /* communication point */
-    double start, stop; /* of the experiment; stop is INFINITY when it was not given */
+    double time;          /* communication point */
+    double start, stop;   /* of the experiment; stop is INFINITY when it was not given */
+    double elapsed, rest; /* since the start: the sum of all steps, and what is too small to show in it */
+    int64_t steps;        /* done */
     int64_t phase;
     int64_t slopes_set; /* some input has a derivative for the coming step */
 } State;
@@ -41,11 +40,7 @@ struct Instance {
     int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
 
     /* buffers of one task's run */
-    double *held, *noise, *result, *rows, *work;
-    double clock[2];
-    const double **arguments;
-    double **results;
-    long long int *int_work;
+    double *held, *noise, *result, *rows;
     void *memory;
 };
 
@@ -54,15 +49,16 @@ int instance_create(Instance *self, const char *resources);
 void instance_destroy(Instance *self);
 void instance_reset(Instance *self);
 
-/* In initialisation mode: calculate the outputs from what was set so far, and take that back. */
-void instance_preview(Instance *self);
+/* In initialisation mode: calculate what depends on what was set so far, and take that back.
+   Returns 0, or 1 after reporting why not. */
+int instance_preview(Instance *self);
 void instance_undo_preview(Instance *self);
 
-/* Check the parameters and run the start tasks. Returns 0 when all is well. */
+/* Check the parameters and run the start tasks. Returns 0, or 1 after reporting why not; then nothing has changed. */
 int instance_start(Instance *self);
 
-/* Do all that is due up to and including the time `end`. */
-void instance_advance(Instance *self, double end);
+/* Do all that is due in a step of h from the host's time. Returns 0, or 1 after reporting why it cannot be done. */
+int instance_step(Instance *self, double time, double h);
 
 /* Whether the value lies in the parameter's range; reports when not. */
 int instance_in_range(Instance *self, int index, double value);

@@ -1,0 +1,70 @@
+"""Functions in plain NumPy, traced and compiled into one library: what a component's tasks become, without the FMU."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navfmu.export import toolchain, trace
+from navfmu.export.graph import Node, c_function
+
+_HEAD = """#include <math.h>
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+"""
+
+
+class Compiled:
+    """A function that was traced with arguments of certain shapes; called with such arguments it runs the C code."""
+
+    def __init__(self, nodes: Sequence[Node], shape: tuple[int, ...]) -> None:
+        self.nodes, self.shape = nodes, shape
+        self.evaluate: Any = None
+
+    def __call__(self, *arguments: Any) -> np.ndarray:
+        """Return the result as an array of doubles; truth values are 0 and 1."""
+        given = np.concatenate([np.zeros(0), *(np.ravel(a).astype(float) for a in arguments)])
+        result = np.zeros(len(self.nodes))
+        self.evaluate(*(a.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for a in (given, result)))
+        return result.reshape(self.shape)
+
+
+def traced(function: Callable, arguments: Sequence[Any]) -> Compiled:
+    """Trace a function with elements of a vector in the shapes of its arguments."""
+    with trace.tracing():
+        symbols, first = [], 0
+        for argument in map(np.asarray, arguments):
+            boolean = tuple(range(argument.size)) if argument.dtype == bool else ()
+            symbols.append(trace.symbols("v", argument.size, boolean, first).reshape(argument.shape))
+            first += argument.size
+        result = function(*symbols)
+        return Compiled(trace.expressions(result), np.shape(result))
+
+
+def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]]) -> list[Compiled]:
+    """Trace functions, each with arguments of the shapes that it will get, and compile them in one go."""
+    return linked([traced(function, arguments) for function, arguments in functions])
+
+
+def linked(made: list[Compiled]) -> list[Compiled]:
+    """Compile functions of the one vector ``v`` into a library, and return them ready to be called."""
+    source = [_HEAD, *(c_function(f"f{i}", ["v"], one.nodes) for i, one in enumerate(made))]
+    names = ", ".join(f"f{i}" for i in range(len(made)))
+    source.append(f"EXPORT void (*const functions[])(const double *, double *) = {{{names}}};\n")
+    with tempfile.TemporaryDirectory(prefix="navfmu-", ignore_cleanup_errors=True) as scratch:
+        file = Path(scratch) / "functions.c"
+        file.write_text("\n".join(source))
+        library = ctypes.CDLL(str(toolchain.compile_shared([file], file.with_suffix(toolchain.suffix("host")))))
+    kind = ctypes.CFUNCTYPE(None, *[ctypes.POINTER(ctypes.c_double)] * 2)
+    for one, address in zip(made, (ctypes.c_void_p * len(made)).in_dll(library, "functions"), strict=True):
+        one.evaluate = kind(address)
+    return made

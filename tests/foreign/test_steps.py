@@ -1,0 +1,183 @@
+"""FMUs that look at what a master says with each step, or want to end the run, or allow one instance only."""
+
+from __future__ import annotations
+
+import threading
+import warnings
+
+import numpy as np
+import pytest
+
+from navfmu import System
+from navfmu.engine import compiled, reference
+from navfmu.engine.compiled import Compiled
+from navfmu.engine.link import Link
+from navfmu.engine.plan import make_plan
+from navfmu.engine.recording import RunError
+from navfmu.engine.reference import Reference
+from navfmu.errors import NavfmuError
+from navfmu.sweep.sweep import sweep
+from tests.engine.probe import probe
+
+from .stepper import stepper, write
+
+KINDS = pytest.mark.parametrize("kind", [Compiled, Reference])
+ENGINES = pytest.mark.parametrize("engine", [compiled, reference])
+ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
+
+
+@pytest.fixture(autouse=True)
+def private_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("NAVFMU_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def file(tmp_path):
+    return write(tmp_path / "stepper.fmu", canGetAndSetFMUstate="true")
+
+
+# -- may a state before the step be set again? -------------------------------------------------------------------------
+
+
+@KINDS
+def test_a_step_may_be_repeated_only_while_a_snapshot_is_held(kind, file):
+    """The FMU starts each step over from the last state that was certain."""
+    plan = make_plan([stepper("s", file, u=1.0)], [], step=0.125, stop=1.0, record=["s.x"])
+    with kind(plan) as engine:
+        engine.initialise()
+        engine.advance(4)
+        snapshot = engine.snapshot()
+        engine.advance(6)
+        engine.restore(snapshot)
+        engine.free(snapshot)
+        engine.advance()
+        np.testing.assert_array_equal(engine.recording()["s.x"], np.arange(9) * 0.125)
+
+
+@KINDS
+def test_while_a_snapshot_is_held_fmus_are_told(kind, file):
+    plan = make_plan([stepper("s", file, u=1.0)], [], step=0.125, stop=1.0, record=["s.x"])
+    with kind(plan) as engine:
+        engine.initialise()
+        first, second = engine.snapshot(), engine.snapshot()
+        engine.free(first)
+        engine.advance(2)
+        assert engine.recording()["s.x"].tolist() == [0.0, 0.125, 0.125]  # it starts over: it was told that it may
+        engine.free(second)
+        engine.advance(3)
+        assert engine.recording()["s.x"].tolist() == [0.0, 0.125, 0.125, 0.25]
+
+
+# -- the end that an FMU wants -----------------------------------------------------------------------------------------
+
+
+@ENGINES
+@ALGORITHMS
+@pytest.mark.parametrize(("ends_at", "rows"), [(0.5, 5), (0.45, 4), (0.375, 4)])
+def test_an_fmu_that_wants_no_more_ends_the_run_with_a_note(engine, algorithm, file, ends_at, rows):
+    system = [probe("before", start=1.0), stepper("s", file, u=1.0, ends_at=ends_at), probe("after")]
+    links = [Link("before.y", "s.u"), Link("s.x", "after.u")]
+    plan = make_plan(system, links, step=0.125, stop=2.0, algorithm=algorithm, record=["before.y", "s.x", "after.y"])
+    done = []
+    recording = engine.run(plan, lambda made, all_: done.append((made, all_)))
+    assert recording.time.tolist() == [0.125 * row for row in range(rows)]
+    assert np.isfinite(recording.values).all()
+    assert recording["s.x"][-1] > 0.25
+    assert recording.notes == (f"component 's' ended the run at t = {ends_at:g} s, before the stop time 2 s",)
+    assert done[-1] == (16, 16)
+
+
+@ENGINES
+def test_an_end_at_the_stop_time_is_none_before_it(engine, file):
+    recording = engine.run(make_plan([stepper("s", file, ends_at=1.0)], [], step=0.125, stop=1.0))
+    assert len(recording.time) == 9 and recording.notes == ()
+
+
+@KINDS
+def test_a_run_that_was_ended_goes_on_from_a_snapshot_before_its_end(kind, file):
+    plan = make_plan([stepper("s", file, u=1.0, ends_at=0.5)], [], step=0.125, stop=2.0, record=["s.x"])
+    with kind(plan) as engine:
+        engine.initialise()
+        engine.advance(2)
+        snapshot = engine.snapshot()
+        for _ in range(2):
+            engine.advance()
+            assert engine.k == 4 and len(engine.recording().time) == 5
+            engine.advance()
+            assert engine.k == 4
+            engine.restore(snapshot)
+            assert engine.recording().notes == ()
+        engine.free(snapshot)
+
+
+@ENGINES
+def test_another_discarded_step_is_an_error_that_tells_how_far_it_got(engine, file):
+    plan = make_plan([stepper("s", file, ends_at=0.45, stubborn=True)], [], step=0.125, stop=2.0)
+    with pytest.raises(RunError) as raised:
+        engine.run(plan)
+    assert str(raised.value) == (
+        "component 's': it gave no reason (fmi2DoStep returned Discard at t = 0.375 s); it got as far as t = 0.45 s"
+    )
+    assert len(raised.value.recording.time) == 4
+
+
+def test_a_sweep_compares_up_to_the_first_end(file):
+    system = System.load(file)
+    result = sweep(
+        system.experiment(stop=2.0, step=0.125, parameters={"stepper.u": 1.0, "stepper.ends_at": 0.9}), [0.125, 0.25]
+    )
+    assert any("ended the run at t = 0.9 s" in note for note in result.notes)
+    assert {row.rms for row in result.rows} == {0.0}
+
+
+# -- one instance in a process -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def lonely(tmp_path):
+    return write(tmp_path / "lonely.fmu", canBeInstantiatedOnlyOncePerProcess="true")
+
+
+@KINDS
+def test_a_second_run_in_the_process_does_not_get_the_only_instance(kind, lonely):
+    plan = make_plan([probe("other"), stepper("s", lonely, u=1.0)], [], step=0.125, stop=1.0)
+    with (
+        kind(plan),
+        pytest.raises(NavfmuError, match="component 's': the FMU 'stepper' allows one instance in a process"),
+    ):
+        compiled.run(plan)
+    with kind(plan) as engine:  # it was given back
+        engine.run()
+    assert len(compiled.run(plan).time) == 9
+
+
+@KINDS
+def test_an_instance_that_was_never_made_is_given_back(kind):
+    stranger, own = probe("p", single=True, guid="{other}"), probe("p", single=True)
+    with pytest.raises(RunError, match="could not be instantiated"):
+        kind(make_plan([stranger], [], step=0.125, stop=1.0))
+    with kind(make_plan([own], [], step=0.125, stop=1.0)) as engine:
+        engine.run()
+
+
+def test_a_sweep_runs_such_an_fmu_one_after_the_other(lonely, monkeypatch):
+    threads = set()
+    monkeypatch.setattr(compiled.Compiled, "initialise", remembering(compiled.Compiled.initialise, threads))
+    sweep(System.load(lonely).experiment(stop=2.0, step=0.125), [0.125, 0.25, 0.5], jobs=4)
+    assert len(threads) == 1
+
+
+def remembering(method, threads):
+    def called(self):
+        threads.add(threading.get_ident())
+        return method(self)
+
+    return called
+
+
+def test_such_an_fmu_runs_twice_one_after_the_other(lonely):
+    system = System.load(lonely)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        first, second = (system.run(stop=1.0, step=0.125) for _ in range(2))
+    assert first.equals(second)
