@@ -30,7 +30,8 @@ static struct sigaction before[COUNT];
 
 static int say(const char *what) {
     const Place *place = run.place;
-    if (!place || place->component < 0) return 0;
+    static int told; /* once is enough, when several threads crash in one FMU */
+    if (!place || place->component < 0 || __atomic_exchange_n(&told, 1, __ATOMIC_SEQ_CST)) return 0;
     char text[512];
     int length = snprintf(text, sizeof text, "navfmu: component '%s' in %s at t = %.9g s: the FMU %s\n",
                           run.component[place->component], run.call[place->call], (double)place->k * run.step, what);
