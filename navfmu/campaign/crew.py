@@ -24,7 +24,12 @@ from navfmu.errors import NavfmuError
 Progress = Callable[[int, int], None]
 _PACKAGE = Path(__file__).resolve().parents[2]
 _LOOK = 0.1  # s between looks at a run under way
+_CHANCES = 3  # workers that may go before a run begins
 _LAST = 2.0  # s that a process has to end after its last word
+
+
+class _Gone(Exception):
+    """A worker ended before it began with a run."""
 
 
 class Crew:
@@ -34,7 +39,6 @@ class Crew:
         self._timeout = timeout
         self._folder = tempfile.TemporaryDirectory(prefix="navfmu-campaign-", ignore_cleanup_errors=True)
         self._idle: SimpleQueue[Worker] = SimpleQueue()
-        self._started = 0
 
     def __enter__(self) -> Crew:
         return self
@@ -46,18 +50,29 @@ class Crew:
 
     def fly(self, run: Run, folder: Path, progress: Progress) -> None:
         """Have the run flown; whatever becomes of it is kept in the folder."""
-        try:
-            worker = self._idle.get_nowait()
-        except Empty:
-            self._started += 1
-            worker = Worker(Path(tempfile.mkdtemp(prefix="worker-", dir=self._folder.name)))
-        try:
-            worker.fly(run, folder, progress, self._timeout)
-        except BaseException:
-            worker.end()
-            raise
-        if worker.alive:
-            self._idle.put(worker)
+        for chances in range(_CHANCES, 0, -1):
+            worker = self._worker()
+            try:
+                worker.fly(run, folder, progress, self._timeout)
+            except _Gone as gone:  # before the run began, so the run is not to blame
+                if chances == 1:
+                    raise NavfmuError(f"worker processes do not stay: the last one {gone}") from None
+                continue
+            except BaseException:
+                worker.end()
+                raise
+            if worker.alive:
+                self._idle.put(worker)
+            return
+
+    def _worker(self) -> Worker:
+        """One that is idle and still there, or a new one."""
+        with suppress(Empty):
+            while True:
+                worker = self._idle.get_nowait()
+                if worker.alive:
+                    return worker
+        return Worker(Path(tempfile.mkdtemp(prefix="worker-", dir=self._folder.name)))
 
 
 class Worker:
@@ -109,7 +124,7 @@ class Worker:
         self._box.unlink(missing_ok=True)
         self._said = self._log.stat().st_size  # what was printed before is of another run
         about = {"experiment": run.experiment.describe(), "variant": run.variant, "case": run.case.name, "key": run.key}
-        self._send(about | {"folder": str(folder.resolve()), "box": str(self._box)})
+        self._send(about | {"folder": str(folder.resolve()), "box": str(self._box), "cwd": os.getcwd()})
         end = None if timeout is None else time.monotonic() + timeout
         steps = round(run.experiment.stop / run.experiment.step)
 
@@ -124,6 +139,8 @@ class Worker:
         if answer is None:
             how = self._ending()
             self.end()
+            if not self._box.is_file():
+                raise _Gone(how)
             return self._lost(run, folder, how)
         if "refused" in answer:
             raise NavfmuError(answer["refused"])
@@ -181,5 +198,7 @@ class Worker:
 
     def _last_words(self) -> str:
         """The last line that the process, or an FMU in it, has printed."""
-        lines = self._log.read_bytes()[self._said :][-4096:].decode("utf-8", "replace").split("\n")
+        with open(self._log, "rb") as log:
+            log.seek(max(self._said, self._log.stat().st_size - 4096))
+            lines = log.read().decode("utf-8", "replace").split("\n")
         return next((line.strip() for line in reversed(lines) if line.strip()), "")

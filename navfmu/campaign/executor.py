@@ -16,6 +16,7 @@ from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
 from navfmu.campaign.runs import Answer, Run, runs_of
 from navfmu.errors import Interrupted, NavfmuError, nearest
+from navfmu.files.writing import TEMPORARY
 from navfmu.system.pool import Board, Report, in_threads
 
 WORKERS = ("process", "thread")
@@ -50,8 +51,12 @@ def run_campaign(
     with _alone(folder):
         _tidy(folder)
         answers, mended = _kept(runs, folder)
+        wanted = {run.key: run for run in reversed(runs)}  # cases that are alike share their runs
         missing = [
-            run for run in runs if run.key not in answers or (retry_failed and answers[run.key].error is not None)
+            run
+            for run in runs
+            if wanted[run.key] is run
+            and (run.key not in answers or (retry_failed and answers[run.key].error is not None))
         ]
         board = Board(sum(_steps(run) for run in missing), progress, len(missing))
         try:
@@ -102,11 +107,10 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def _tidy(folder: Path) -> None:
-    """Remove what a killed campaign left half-written: files under temporary names."""
+    """Remove what a killed campaign left half-written; nothing else in the folder is ours."""
     for place in (folder, folder / "runs"):
-        for file in place.glob(".*.*"):
-            if file.is_file() and file.name != ".lock":
-                file.unlink(missing_ok=True)
+        for file in place.glob(f"{TEMPORARY}*"):
+            file.unlink(missing_ok=True)
 
 
 def _kept(runs: list[Run], folder: Path) -> tuple[dict[str, Answer], tuple[str, ...]]:

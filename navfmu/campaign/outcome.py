@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -157,20 +158,34 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     if finding is not None and (requirement.unit or finding.first_violation is not None):
         sentence += f"; worst: seed {worst[0].run.seed}"
         if requirement.unit:
-            sentence += f", {readable(finding.worst, requirement.unit)} at t = {finding.worst_time:g} s"
-        sentence += f", inside for {finding.percent:.1f} % of the time"
+            sentence += f", {told(requirement, finding.worst)} at t = {finding.worst_time:.9g} s"
+        sentence += f", inside for {percent(finding.percent)} of the time"
         if finding.first_violation is not None:
-            sentence += f", first violated at t = {finding.first_violation:g} s"
+            sentence += f", first violated at t = {finding.first_violation:.9g} s"
     failed = sum(j.error is not None for j in group)
     if failed:
         sentence += f"; {failed} ended with an error"
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0])
 
 
-def readable(value: float, unit: str) -> str:
-    """A number for people: four digits, no exponent where a person would write none."""
-    text = f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.4g}"
-    return f"{text} {unit}" if unit and unit != "1" else text
+def percent(value: float) -> str:
+    """Rounded down, so that 100 % is all of it and what is below a bound looks so."""
+    return f"{math.floor(10.0 * value + 1e-9) / 10.0:.1f} %"
+
+
+def told(requirement: Requirement, value: float) -> str:
+    """A value with its unit, in as many digits as it takes to tell it from a bound that it is beyond."""
+    bounds = [bound for bound in (requirement.most, requirement.least) if bound is not None and bound != value]
+    for digits in range(4, 18):
+        text = _digits(value, digits)
+        if all(_digits(bound, digits) != text for bound in bounds):
+            break
+    return text + (f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else "")
+
+
+def _digits(value: float, digits: int) -> str:
+    """A number for people: no exponent where a person would write none."""
+    return f"{value:.{max(0, digits - 4)}f}" if 1e3 <= abs(value) < 1e6 else f"{value:.{digits}g}"
 
 
 def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
@@ -183,30 +198,48 @@ def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: li
     rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
     if not rows:
         return Cell(requirement, variant, case.name, False, 0, len(group), "every run ended with an error", None)
-    time = rows[0]["time"]
+    time = max((row["time"] for row in rows), key=len)
     window = requirement.window(time)
-    values = np.stack([row[requirement.signal].astype(np.float64) for row in rows])[:, window]
+    values = np.full((len(rows), len(time)), np.nan)  # a run that ended early is outside from then on
+    for number, row in enumerate(rows):
+        values[number, : len(row["time"])] = row[requirement.signal]
+    found = judge_quantile(requirement, time[window], values[:, window])
+    passed, sentence = found.passed and len(good) == len(group), found.sentence
+    if len(good) < len(group):
+        sentence += f"; {len(group) - len(good)} ended with an error"
+    return Cell(requirement, variant, case.name, passed, found.held, len(group), sentence, good[found.most_wrong])
+
+
+@dataclass(frozen=True)
+class QuantileFinding:
+    """What all runs together say about a requirement on a quantile."""
+
+    passed: bool
+    held: int  # runs inside at the worst time
+    sentence: str
+    most_wrong: int  # run
+
+
+def judge_quantile(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> QuantileFinding:
+    """A quantile over the runs at every time; ``values`` has the shape (runs, times)."""
     # the order statistic at or beyond the quantile: nothing between two runs is made up
     upper = np.quantile(values, requirement.quantile, axis=0, method="higher")
-    lower = np.quantile(values, 1.0 - requirement.quantile, axis=0, method="lower")
-    excess = np.full(upper.shape, -np.inf)
-    if requirement.most is not None:
-        excess = np.maximum(excess, upper - requirement.most)
-    if requirement.least is not None:
-        excess = np.maximum(excess, requirement.least - lower)
+    lower = -np.quantile(-values, requirement.quantile, axis=0, method="higher")
+    high = upper - requirement.most if requirement.most is not None else np.full(upper.shape, -np.inf)
+    low = requirement.least - lower if requirement.least is not None else np.full(lower.shape, -np.inf)
+    excess = np.maximum(high, low)
     worst = int(np.argmax(excess))
     inside = (values <= (np.inf if requirement.most is None else requirement.most)) & (
         values >= (-np.inf if requirement.least is None else requirement.least)
     )
     held = int(np.count_nonzero(inside[:, worst]))
-    bound = upper if requirement.most is not None else lower
-    extreme = readable(float(bound[worst]), requirement.unit)
-    passed = bool(np.all(excess <= 0.0)) and len(good) == len(group)
+    above = requirement.least is None or (requirement.most is not None and not low[worst] > high[worst])
+    share = requirement.quantile if above else 1.0 - requirement.quantile
+    extreme = told(requirement, float((upper if above else lower)[worst]))
+    passed = bool(np.all(excess <= 0.0))
     sentence = (
-        f"{100 * requirement.quantile:g}th percentile of {len(good)} runs at worst {extreme} "
-        f"at t = {time[window][worst]:g} s, where {held} of {len(good)} runs are inside"
+        f"{100 * share:.6g}th percentile of {len(values)} runs at worst {extreme} "
+        f"at t = {time[worst]:.9g} s, where {held} of {len(values)} runs are inside"
     )
-    if len(good) < len(group):
-        sentence += f"; {len(group) - len(good)} ended with an error"
     most_wrong = int(np.argmax(requirement.excess(values[:, worst])))
-    return Cell(requirement, variant, case.name, passed, held, len(group), sentence, good[most_wrong])
+    return QuantileFinding(passed, held, sentence, most_wrong)

@@ -114,8 +114,13 @@ def experiment_of(campaign: Campaign, variant: str, case: Case) -> Experiment:
         faults=case.faults,
         record=record_of(campaign, variant, case.name),
         record_period=_record_period(campaign),
-        parameters=campaign.parameters | case.parameters,
+        parameters=_laid_over(campaign.parameters, case.parameters),
     )
+
+
+def _laid_over(common: dict[str, Any], special: dict[str, Any]) -> dict[str, Any]:
+    """The parameters of a case come last: they win, also over elements of an array."""
+    return {name: value for name, value in common.items() if name not in special} | special
 
 
 def record_of(campaign: Campaign, variant: str, case: str) -> list[str]:

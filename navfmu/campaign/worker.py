@@ -65,6 +65,7 @@ def say(out: TextIO, message: dict[str, Any]) -> None:
 
 
 def _fly(request: dict[str, Any], systems: dict[tuple[str, str | None], System]) -> None:
+    os.chdir(request["cwd"])  # an FMU may have gone elsewhere
     about = request["experiment"]
     place = about["system"], about["variant"]
     if place not in systems:

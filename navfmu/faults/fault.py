@@ -152,14 +152,13 @@ class Fault:
     def describe(self) -> dict[str, Any]:
         """The fault as plain data; what is not limited (its duration) or empty is left out."""
         target = self.target if isinstance(self.target, str) else list(self.target)
-        entries: dict[str, Any] = {"id": self.id, "target": target, "type": self.type, "start": self.start}
+        entries: dict[str, Any] = {"id": self.id, "target": target, "type": self.type, "start": _plain(self.start)}
         if self.duration != math.inf:
-            entries["duration"] = self.duration
+            entries["duration"] = _plain(self.duration)
         for name in ("fmea", "description", "file"):
             if getattr(self, name):
                 entries[name] = getattr(self, name)
-        values = {key: value.tolist() if hasattr(value, "tolist") else value for key, value in self.parameters.items()}
-        return entries | values
+        return entries | {key: _plain(value) for key, value in self.parameters.items()}
 
     @classmethod
     def of(cls, description: Mapping[str, Any]) -> Fault:
@@ -169,7 +168,7 @@ class Fault:
 
     def inline(self) -> str:
         """The fault as the option ``--fault`` takes it: the inside of a TOML table."""
-        return ", ".join(f"{key} = {_toml(value)}" for key, value in self.describe().items())
+        return ", ".join(f"{key} = {_toml(value)}" for key, value in self.describe().items() if key != "file")
 
     def error(self, sentence: str, key: str = "") -> FaultError:
         """The sentence with the fault's id and place in its file."""
@@ -185,12 +184,19 @@ class FaultError(NavfmuError):
         self.fault, self.sentence, self.key = fault, sentence, key
 
 
+def _plain(value: Any) -> Any:
+    """A value without NumPy: lists and numbers of Python."""
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
 def _toml(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_toml(item) for item in value)}]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
 
 
 def is_number(value: object) -> bool:

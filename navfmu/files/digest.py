@@ -11,7 +11,7 @@ from navfmu.errors import NavfmuError
 def content_hash(path: Path) -> str:
     """SHA-256 of a file in hexadecimal; a missing or unreadable file is a sentence."""
     if path.exists() and not path.is_file():
-        raise NavfmuError(f"{path}: is not a file that can be read to its end")
+        raise NavfmuError(f"{path}: cannot be read: it is not a file with an end")
     try:
         with open(path, "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()

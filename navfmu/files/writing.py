@@ -10,6 +10,7 @@ from pathlib import Path
 
 from navfmu.errors import NavfmuError
 
+TEMPORARY = ".navfmu-"  # how the names of files begin that are not finished
 _UMASK = os.umask(0)
 os.umask(_UMASK)
 
@@ -27,7 +28,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=path.suffix, dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=f"{TEMPORARY}{path.name}.", suffix=path.suffix, dir=path.parent)
         os.close(handle)
     except OSError as error:
         raise NavfmuError(f"{path}: cannot be written: {error.strerror or error}") from None

@@ -122,6 +122,8 @@ class Assembly:
         """Faults from files (also by their names inside the system's package), and those given as they are."""
         from navfmu.faults import Fault, load_faults
 
+        if not isinstance(faults, (str, Path, Fault, Sequence, type(None))):
+            raise NavfmuError(f"faults: {faults!r} is no list of faults")
         found: list[Fault] = []
         for entry in [faults] if isinstance(faults, (str, Path, Fault)) else faults or ():
             if isinstance(entry, (str, Path)):

@@ -97,6 +97,10 @@ class Experiment:
 
     def _names(self) -> tuple[str, ...]:
         names = [self.record] if isinstance(self.record, str) else self.record
+        if names is not None and not isinstance(names, Sequence):
+            raise NavfmuError(f"record: {names!r} is no list of names of signals, such as ['imu.reading', 'gps.*']")
+        if names is not None and not len(names) and self.system.signals():
+            raise NavfmuError("record: the list of signals is empty; leave it out to take those of the system")
         for name in names or ():
             if not isinstance(name, str):
                 raise NavfmuError(f"record: {name!r} is not the name of a signal, such as 'imu.reading' or 'imu.*'")
@@ -221,6 +225,7 @@ class Experiment:
     def key(self) -> str:
         """A hash of everything that determines the recording: 32 hexadecimal digits."""
         content = self.describe() | {"format": FORMAT, "environment": environment()}
+        content["parameters"] = list(self.parameters.items())  # they are laid over one another in their order
         content.pop("system")  # wherever it lies
         content.pop("variant")
         for fault in content["faults"]:
@@ -237,6 +242,15 @@ class Experiment:
             words += ["--record", ",".join(self.record)]
         return shlex.join([*words, "--record-period", number(self.record_period)])
 
+    def _are_those_of(self, files: Sequence[str]) -> bool:
+        """Whether the faults begin with all those of these files, as they are in them, in their order."""
+        try:
+            there = [fault.describe() for fault in self.system.faults(files)]
+        except NavfmuError:
+            return False
+        own = [fault.describe() for fault in self.faults]
+        return own[: len(there)] == there and not any(fault.get("file") for fault in own[len(there) :])
+
     def words(self, verb: str) -> list[str]:
         """The beginning of a command line: system, parameters, faults, stop and seed."""
         words = ["navfmu", verb, str(self.system.structure.origin)]
@@ -244,11 +258,11 @@ class Experiment:
             words += ["--variant", self.system.variant]
         for name, value in self.parameters.items():
             words += ["--set", f"{name}={_word(value)}"]
-        for file in dict.fromkeys(fault.file for fault in self.faults if fault.file):
-            words += ["--faults", file]
-        for fault in self.faults:
-            if not fault.file:
-                words += ["--fault", fault.inline()]
+        files = tuple(dict.fromkeys(fault.file for fault in self.faults if fault.file))
+        if not self._are_those_of(files):
+            files = ()
+        words += [word for file in files for word in ("--faults", file)]
+        words += [word for fault in self.faults if fault.file not in files for word in ("--fault", fault.inline())]
         words += ["--stop", number(self.stop)]
         return words if self.seed is None else [*words, "--seed", str(self.seed)]
 
@@ -284,6 +298,8 @@ def _plain(value: Any) -> Any:
 def _word(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_word, value))}]"
     if isinstance(value, float) and math.isfinite(value):
         return number(value)
     return str(value)

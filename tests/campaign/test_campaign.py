@@ -391,3 +391,51 @@ def test_seeds_are_written_as_they_are_read(text):
     from navfmu.campaign.seeds import parse_seeds, seeds_text
 
     assert seeds_text(parse_seeds(text, NavfmuError)) == text
+
+
+def test_a_campaign_touches_no_file_that_is_not_its_own(tmp_path):
+    """It tidies up after a kill; dotfiles of the user with two dots in their name once went with that."""
+    own = [tmp_path / name for name in (".pre-commit-config.yaml", ".my.secret", ".bashrc", "runs/.x.parquet")]
+    (tmp_path / "runs").mkdir()
+    for file in own:
+        file.write_text("mine")
+    left = tmp_path / "runs" / ".navfmu-abc.parquet.12345678.parquet"
+    left.write_text("half")
+    file = write(tmp_path, f'system = "{systems.tracker()}"\nstop = 1.0\n')
+    run_campaign(load_campaign(file), tmp_path, workers="thread")
+    assert all(file.read_text() == "mine" for file in own) and not left.exists()
+
+
+@pytest.mark.parametrize("runs", [6, 11, 21, 41])
+@pytest.mark.parametrize("quantile", [0.5, 0.8, 0.9])
+def test_a_quantile_is_the_same_from_above_and_from_below(runs, quantile):
+    """As many runs may be outside as the quantile leaves, on either side: 1 - 0.9 is not 0.1 in binary."""
+    from navfmu.campaign.outcome import judge_quantile
+
+    for outside in range(runs):
+        values = np.zeros((runs, 1))
+        values[:outside] = 1.0
+        above = judge_quantile(requirement(most=0.5, quantile=quantile, percent=None), TIME[:1], values)
+        below = judge_quantile(requirement(least=-0.5, quantile=quantile, percent=None), TIME[:1], -values)
+        assert above.passed == below.passed
+
+
+def test_the_sentence_of_a_quantile_names_the_side_that_is_wrong():
+    from navfmu.campaign.outcome import judge_quantile
+
+    values = np.array([[-5.0]] * 3 + [[0.0]] * 10)
+    found = judge_quantile(requirement(least=-1.0, most=1.0, quantile=0.9, percent=None), TIME[:1], values)
+    assert not found.passed and found.sentence.startswith("10th percentile of 13 runs at worst -5 m")
+
+
+def test_a_sentence_never_looks_like_the_opposite_of_its_verdict():
+    from navfmu.campaign.outcome import percent, told
+
+    assert (percent(99.98), percent(94.9505), percent(100.0), percent(94.99999)) == (
+        "99.9 %",
+        "94.9 %",
+        "100.0 %",
+        "94.9 %",
+    )
+    assert told(requirement(most=926.0), 926.04) == "926.04 m" and told(requirement(most=1852.0), 1852.3) == "1852.3 m"
+    assert told(requirement(most=926.0), 1403.2) == "1403 m"

@@ -113,7 +113,7 @@ def test_run_with(name):
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="devices")
 @pytest.mark.parametrize("command", ["run", "info"])
 def test_a_system_without_an_end(command):
-    refused(navfmu(command, "/dev/zero"), "is not a file that can be read to its end")
+    refused(navfmu(command, "/dev/zero"), "cannot be read: it is not a file with an end")
 
 
 def test_the_version_needs_no_installation():

@@ -120,6 +120,9 @@ WRONG = {
     "parameters as a list": ({"parameters": ["lag.tau"]}, "expected values by name"),
     "a seed that is a truth": ({"seed": True}, "the seed is True, expected a whole number"),
     "an engine that there is not": ({"engine": "compield"}, "unknown engine 'compield'; did you mean 'compiled'"),
+    "a number as faults": ({"faults": 5}, "faults: 5 is no list of faults"),
+    "a number as record": ({"record": 5}, "record: 5 is no list of names of signals"),
+    "nothing to record": ({"record": []}, "the list of signals is empty"),
     "two faults of one name": ({"faults": [BIAS, BIAS]}, "two faults have the id 'b'"),
 }
 
@@ -151,3 +154,46 @@ def test_lost_samples_and_what_has_no_effect_are_notes(system):
         frame = system.run(stop=5.0, step=1.0, record=["lag.y"])
     done = CliRunner().invoke(main, ["run", str(systems.tracker()), "--stop", "5", "--step", "1"])
     assert done.exit_code == 0 and "were lost" in done.stderr and any("were lost" in n for n in frame.attrs["notes"])
+
+
+def test_the_order_of_parameters_that_overlap_is_part_of_the_key(system):
+    """An element after its array wins, before it is lost: two results, so two keys."""
+    from navfmu.campaign.runs import _laid_over
+
+    first, then = {"sensor.sigma": 0.1}, {"lag.tau": 2.0}
+    assert system.experiment(parameters=first | then).key != system.experiment(parameters=then | first).key
+    assert list(_laid_over({"a.b": 1, "a.b[1]": 2}, {"a.b": 3})) == ["a.b[1]", "a.b"]
+
+
+FILE = '[[fault]]\nid = "one"\ntarget = "lag.y"\ntype = "bias"\nvalue = 1.0\nstart = 1.0\n'
+FILE += '[[fault]]\nid = "two"\ntarget = "lag.y"\ntype = "stuck"\nstart = 2.0\nduration = 1.0\n'
+INLINE = Fault("in", "lag.y", "stuck", start=np.float64(0.5), duration=np.float32(0.5), value=[np.float64(0.25)])
+
+
+@pytest.mark.parametrize("way", ["some", "edited", "inline first", "inline last", "all", "array of texts"])
+def test_a_command_repeats_whatever_became_of_the_faults_of_a_file(system, way, tmp_path):
+    file = tmp_path / "ff.toml"
+    file.write_text(FILE)
+    loaded = system.faults(str(file))
+    edited = replace(loaded[0], parameters={"value": 5.0})
+    faults = {
+        "some": loaded[:1], "edited": [edited, loaded[1]], "inline first": [INLINE, str(file)],
+        "inline last": [str(file), INLINE], "all": [str(file)], "array of texts": [INLINE],
+    }[way]  # fmt: skip
+    given = {"stop": 4.0, "seed": 2, "faults": faults, "record": ["lag.y", "estimator"]}
+    frame = system.run(**given)
+    words = shlex.split(frame.attrs["provenance"]["command"])
+    assert ("--faults" in words) == (way in ("inline last", "all"))
+    done = CliRunner().invoke(main, [*words[1:], "--out", str(tmp_path / "again.parquet")])
+    assert done.exit_code == 0, done.output
+    assert read(tmp_path / "again.parquet").equals(frame)
+
+
+def test_a_list_of_texts_is_written_as_it_is_read(system):
+    from navfmu.fmi.values import expand
+    from navfmu.system.experiment import _word
+
+    text = _word(["1 m", 2.5, True])
+    assert text == "[1 m, 2.5, true]"
+    description = system.fmus["lag"].description
+    assert expand(description, {"tau": _word(["2 s"])}, "x") == {"tau": 2.0}

@@ -28,18 +28,23 @@ static const int SIGNALS[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 #define COUNT (sizeof SIGNALS / sizeof *SIGNALS)
 static struct sigaction before[COUNT];
 
-static int say(const char *what) {
+static int inside(void) { return run.place && run.place->component >= 0; }
+
+static void say(const char *what) {
+    static int told; /* once is enough, when several threads end in one FMU */
+    if (!inside() || __atomic_exchange_n(&told, 1, __ATOMIC_SEQ_CST)) return;
     const Place *place = run.place;
-    if (!place || place->component < 0) return 0;
     char text[512];
     int length = snprintf(text, sizeof text, "navfmu: component '%s' in %s at t = %.9g s: the FMU %s\n",
                           run.component[place->component], run.call[place->call], (double)place->k * run.step, what);
     if (length > (int)sizeof text - 1) length = (int)sizeof text - 1;
-    return write(STDERR_FILENO, text, (size_t)length) != -2;
+    if (write(STDERR_FILENO, text, (size_t)length) < 0) return;
 }
 
 static void at_exit(void) {
-    if (say("ended the process")) _exit(FAILED_COMMAND);
+    if (!inside()) return;
+    say("ended the process");
+    _exit(FAILED_COMMAND);
 }
 
 /* Say it, then let whoever handled the signal before do so: as a rule the process ends. */
