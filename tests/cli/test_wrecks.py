@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import pytest
 
@@ -37,6 +38,25 @@ def test_who_ended_the_process_is_told(folder, command, way):
     assert process.returncode not in (0, 1)
     (line,) = [line for line in errors.splitlines() if line.startswith("navfmu: ")]
     assert "component 'probe' in fmi2DoStep at t = 0." in line and word in line
+
+
+def test_two_runs_that_end_the_process_at_once_do_not_end_it_well(folder):
+    """While the first waits to say so, to a full pipe, the second ended it with the FMU's own exit code."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(writing, b" " * 4096)
+    os.set_blocking(writing, True)
+    words = [sys.executable, "-m", "navfmu", "sweep", "probe.fmu", "--stop", "2", "--steps", "0.1,0.2"]
+    settings = ["--set", f"probe.fail_status={EXIT}", "--set", "probe.fail_at=0.75"]
+    process = subprocess.Popen([*words, *settings], cwd=folder, stdout=subprocess.DEVNULL, stderr=writing)
+    os.close(writing)
+    try:
+        assert process.wait(timeout=60) == 2
+    finally:
+        process.kill()
+        os.close(reading)
 
 
 def test_python_does_not_end_well_either(folder):

@@ -58,10 +58,12 @@ static void on_signal(int number) {
 /* From now on this thread calls the FMUs of a run (or, with NULL, of none any more). */
 API void watch(const Place *place, const char *const *component, const char *const *call, double step) {
     static int prepared;
+    static _Thread_local int registered; /* once a thread: two may call exit at once, and each takes one of the list */
     run.component = component, run.call = call, run.step = step;
     run.place = place;
-    if (!place || __atomic_exchange_n(&prepared, 1, __ATOMIC_SEQ_CST)) return;
-    atexit(at_exit);
+    if (!place) return;
+    if (!registered) registered = !atexit(at_exit);
+    if (__atomic_exchange_n(&prepared, 1, __ATOMIC_SEQ_CST)) return;
     struct sigaction action = {.sa_handler = on_signal};
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < COUNT; i++) sigaction(SIGNALS[i], &action, &before[i]);
