@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import tempfile
 from functools import cache
@@ -98,6 +99,20 @@ def probe(
         can_interpolate_inputs=interpolates,
     )
     return Component(name, Fmu(binary, "", binary.parent, binary, description), start)
+
+
+def declared(component: Component, **dependencies: tuple[str, ...]) -> Component:
+    """A probe that says on which inputs its outputs depend."""
+    about = dataclasses.replace(component.description, dependencies=dependencies)
+    return dataclasses.replace(component, fmu=dataclasses.replace(component.fmu, description=about))
+
+
+def known(component: Component, *names: str) -> Component:
+    """A probe some outputs of which have a start value of the user's choice."""
+    about = component.description
+    variables = tuple(dataclasses.replace(v, initial="exact") if v.name in names else v for v in about.variables)
+    about = dataclasses.replace(about, variables=variables)
+    return dataclasses.replace(component, fmu=dataclasses.replace(component.fmu, description=about))
 
 
 def ring(count: int = 6, **start: Any) -> tuple[list[Component], list[Link]]:

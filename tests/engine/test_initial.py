@@ -2,36 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 
 import numpy as np
 import pytest
 
-from navfmu.engine.component import Component
 from navfmu.engine.link import Link
 from navfmu.engine.plan import make_plan
 from navfmu.faults import Fault
 from navfmu.fmi.fmu import load
-from tests.engine.probe import probe, run_both, simulate
+from tests.engine.probe import declared, known, probe, run_both, simulate
 from tests.foreign.stepper import DEPENDENCIES, stepper, write
 
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
 H = {"step": 0.1, "stop": 1.0}
-
-
-def declared(component: Component, **dependencies: tuple[str, ...]) -> Component:
-    """A probe that says on which inputs its outputs depend."""
-    about = dataclasses.replace(component.description, dependencies=dependencies)
-    return dataclasses.replace(component, fmu=dataclasses.replace(component.fmu, description=about))
-
-
-def known(component: Component, *names: str) -> Component:
-    """A probe some outputs of which have a start value of the user's choice."""
-    about = component.description
-    variables = tuple(dataclasses.replace(v, initial="exact") if v.name in names else v for v in about.variables)
-    about = dataclasses.replace(about, variables=variables)
-    return dataclasses.replace(component, fmu=dataclasses.replace(component.fmu, description=about))
 
 
 @pytest.fixture
