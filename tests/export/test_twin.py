@@ -225,7 +225,8 @@ def test_many_twins_in_one_process_do_not_disturb_each_other(twins, tmp_path):
 import fmpy
 from tests.export.test_twin import Instance
 paths = [{str(plain.with_suffix(".fmu"))!r}, {str(changed.with_suffix(".fmu"))!r}, {str(twins("sensor")[0])!r}]
-ones = [Instance(p, fmpy.extract(p), f"i{{i}}") for p in paths for i in range(70)]
+places = [fmpy.extract(p, {str(tmp_path / "unpacked")!r} + str(n)) for n, p in enumerate(paths)]
+ones = [Instance(p, place, f"i{{i}}") for p, place in zip(paths, places) for i in range(70)]
 for one in ones:
     one.doStep(currentCommunicationPoint=0.0, communicationStepSize=1.0)
 values = [one.read("Real")[0] for one in ones]
