@@ -164,14 +164,15 @@ class _Reader:
         for place, name in enumerate(names):
             where = "case", number, "faults", place
             beside = self.beside(name)
+            here = beside.exists() and not beside.is_dir()
             try:
-                path = beside if beside.is_file() else system.attachment("faults", name)
+                path = beside if here else system.attachment("faults", name)
             except NavfmuError as error:
                 raise self.document.error(str(error), *where) from None
-            if not path.is_file():
+            if not path.exists():
                 raise self.document.error(f"there is no fault file '{name}'", *where)
             load_faults(path)  # a mistake in it has its own place
-            files.append(beside if beside.is_file() else name)
+            files.append(beside if here else name)
         try:
             return system.faults(files)
         except NavfmuError as error:

@@ -12,6 +12,7 @@ from typing import Any
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.errors import NavfmuError
 from navfmu.files.digest import content_hash
+from navfmu.files.reading import read_bytes
 from navfmu.system.experiment import Experiment
 
 
@@ -62,12 +63,9 @@ class Answer:
     def read(cls, run: Run, folder: Path) -> Answer | None:
         """The answer that is kept for a run; None if there is none. What is damaged is a ``NavfmuError``."""
         file = run.answer(folder)
-        try:
-            text = file.read_text(encoding="utf-8")
-        except FileNotFoundError:
+        if not file.exists():
             return None
-        except (OSError, ValueError) as error:
-            raise NavfmuError(f"{file}: is damaged: {error}") from None
+        text = read_bytes(file, "the answer of a run").decode("utf-8", "replace")
         try:
             content = json.loads(text)
             content.pop("hash")
@@ -80,9 +78,7 @@ class Answer:
             raise NavfmuError(f"{file}: is the answer of another run, {answer.variant}, {answer.case}, {answer.seed}")
         if answer.recording is not None:
             kept = file.with_name(answer.recording)
-            if not kept.is_file():
-                raise NavfmuError(f"{kept}: is missing")
-            if content_hash(kept) != answer.sha256:
+            if content_hash(kept, "a recording") != answer.sha256:
                 raise NavfmuError(f"{kept}: is damaged, or the recording of another run")
         return answer
 

@@ -16,6 +16,7 @@ from pathlib import Path, PurePosixPath
 from navfmu.errors import NavfmuError
 from navfmu.files import cache
 from navfmu.files.digest import check_unchanged
+from navfmu.files.reading import regular
 
 MAX_FILES = 20_000
 MAX_BYTES = 2 * 1024**3
@@ -39,12 +40,8 @@ def zipped(files: Mapping[str, bytes | str], stored: str | None = None) -> bytes
 
 def open_archive(path: Path, kind: str) -> zipfile.ZipFile:
     """Open a zip archive; ``kind`` ("FMU", "SSP") is what the file was expected to be."""
-    if not path.exists():
-        raise NavfmuError(f"{path}: no such file (expected an {kind})")
-    if path.is_dir():
-        raise NavfmuError(f"{path}: is a folder, expected an {kind}, which is a zip archive")
     try:
-        return zipfile.ZipFile(path)
+        return zipfile.ZipFile(regular(path, f"an {kind}, which is a zip archive"))
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
         raise NavfmuError(f"{path}: is not an {kind}: {error}") from None
 

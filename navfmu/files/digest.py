@@ -6,19 +6,16 @@ import hashlib
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
+from navfmu.files.reading import regular, unreadable
 
 
-def content_hash(path: Path) -> str:
-    """SHA-256 of a file in hexadecimal; a missing or unreadable file is a sentence."""
-    if path.exists() and not path.is_file():
-        raise NavfmuError(f"{path}: cannot be read: it is not a file with an end")
+def content_hash(path: Path, expected: str = "a file") -> str:
+    """SHA-256 of a file in hexadecimal; what is missing, unreadable or not ``expected`` is a sentence."""
     try:
-        with open(path, "rb") as file:
+        with open(regular(path, expected), "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
-    except FileNotFoundError:
-        raise NavfmuError(f"{path}: no such file") from None
     except OSError as error:
-        raise NavfmuError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise unreadable(path, error) from None
 
 
 def check_unchanged(path: Path, digest: str) -> None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-import stat
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
+from navfmu.files.reading import read_bytes
 
-MAX_BYTES = 10_000_000  # nobody writes more by hand; /dev/zero never ends
+MAX_BYTES = 10_000_000  # nobody writes more by hand
 
 Place = tuple[str | int, ...]  # ("case", 0, "faults"): keys, and numbers of elements counted from 0
 
@@ -54,23 +54,9 @@ class Document:
 
 
 def read_text(path: str | Path, kind: str) -> str:
-    """The text of a file or a pipe of bounded size; ``kind`` says in messages what it was expected to be."""
-    path = Path(path)
+    """The text of a file of bounded size; ``kind`` says in messages what it was expected to be."""
     try:
-        mode = path.stat().st_mode
-        if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
-            what = "a folder" if stat.S_ISDIR(mode) else "a device"
-            raise NavfmuError(f"{path}: is {what}, expected a {kind}")
-        with open(path, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise NavfmuError(f"{path}: no such {kind}") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
-        raise NavfmuError(f"{path}: the {kind} cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if len(data) > MAX_BYTES:
-        raise NavfmuError(f"{path}: is larger than {MAX_BYTES // 1_000_000} MB, expected a {kind}")
-    try:
-        return data.decode("utf-8-sig")
+        return read_bytes(path, f"a {kind}", MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise NavfmuError(f"{path}: the {kind} cannot be read: it is not text in UTF-8") from None
 

@@ -59,7 +59,7 @@ def load(path: str | Path) -> Fmu:
     key = _identity(path)
     if key is not None and (known := _memory.get(key)) is not None and known.library.exists():
         return known
-    digest = content_hash(path)
+    digest = content_hash(path, "an FMU")
     description = _describe(path, digest)
     folder = unpack(path, "FMU", digest, _needed_here)
     fmu = Fmu(path, digest, folder, _library(path, folder, description), description)
@@ -71,7 +71,7 @@ def load(path: str | Path) -> Fmu:
 def describe(path: str | Path) -> Description:
     """The description of an FMU, whether or not it has a library for this machine."""
     path = Path(path)
-    return _describe(path, content_hash(path))
+    return _describe(path, content_hash(path, "an FMU"))
 
 
 def binaries(path: str | Path) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.reading import regular, unreadable
 
 KNOT = 1852.0 / 3600.0
 FOOT = 0.3048
@@ -76,14 +77,14 @@ def read(path: str | Path, skip_incomplete: bool = False) -> Recording:
 
     Every complaint names the file, and the line where there is one (the header is line 1).
     """
-    path = Path(path)
-    if not path.is_file():
-        raise NavfmuError(f"{path}: there is no such file; expected a recorded track as CSV")
+    path = regular(path, "a recorded track as CSV")
     try:
         # skip_blank_lines off: the row number then gives the line number
         frame = pd.read_csv(path, comment=None, skipinitialspace=True, skip_blank_lines=False)
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as problem:
+    except ValueError as problem:
         raise NavfmuError(f"{path}: this is not a CSV table with a header line ({str(problem).strip()})") from problem
+    except OSError as problem:
+        raise unreadable(path, problem) from None
     frame.columns = [str(c).strip() for c in frame.columns]
     unused = _check_columns(path, list(frame.columns))
     known = [c for c in (*REQUIRED, *OPTIONAL) if c in frame.columns]

@@ -16,6 +16,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import habits, open_archive, unpack
 from navfmu.files.digest import content_hash
 from navfmu.files.markup import parse, validate
+from navfmu.files.reading import read_bytes
 from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp.document import MAIN, NAMESPACES, OMS, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
@@ -30,14 +31,14 @@ def locate(path: str | Path) -> tuple[Path, Path]:
     """The folder that holds the documents, and the main SSD, of an .ssp, a folder or an .ssd."""
     path = Path(path)
     if path.is_dir():
-        if not (path / MAIN).is_file():
+        if not (path / MAIN).exists():
             raise NavfmuError(f"{path}: the folder has no {MAIN}")
         return path, path / MAIN
     if not path.exists():
         raise NavfmuError(f"{path}: no such file; expected an .ssp, an .ssd or a folder with {MAIN}")
     if path.suffix.lower() == ".ssd":
         return path.parent, path
-    folder = unpack(path, "SSP", content_hash(path))
+    folder = unpack(path, "SSP", content_hash(path, "an .ssp, an .ssd or a folder"))
     if not (folder / MAIN).is_file():
         raise NavfmuError(f"{path}: has no {MAIN}")
     return folder, folder / MAIN
@@ -111,12 +112,9 @@ class _Reader:
 
     def _parse(self, file: Path, rules: str, prefix: str) -> Any:
         label = self._label(file)
-        try:
-            data = file.read_bytes()
-        except OSError as error:
-            raise NavfmuError(f"{label}: cannot be read: {error.strerror or error}") from None
-        root = parse(data, label, self.lenient, NAMESPACES)
         expected = {"ssd": "SystemStructureDescription", "ssv": "ParameterSet", "ssm": "ParameterMapping"}[prefix]
+        data = read_bytes(file, f"an XML document with <{prefix}:{expected}>")
+        root = parse(data, label, self.lenient, NAMESPACES)
         if root.tag != f"{{{NAMESPACES[prefix]}}}{expected}":
             raise NavfmuError(f"{label}: expected <{prefix}:{expected}> of SSP 1.0, found <{root.tag}>")
         version = root.get("version", "1.0")
@@ -190,7 +188,7 @@ class _Reader:
             raise NavfmuError(f"{where}: asks for model exchange, expected co-simulation")
         source = element.get("source")
         path = self._resolve(source, where)
-        if not path.is_file():
+        if not path.exists():
             packed = self.origin.is_file() and self.origin != self.file  # a package holds all that it needs
             known = None if packed else self.find(path.name)
             if known is None:
@@ -291,7 +289,7 @@ class _Reader:
         inline = binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
         if binding.get("source"):
             file = self._resolve(binding.get("source"), where)
-            if not file.is_file():
+            if not file.exists():
                 raise NavfmuError(f"{where}: its parameter set '{binding.get('source')}' is missing")
             root, label = self._parse(file, "SystemStructureParameterValues", "ssv"), self._label(file)
         elif inline is not None:
@@ -331,7 +329,7 @@ class _Reader:
         inline = element.find("ssm:ParameterMapping", NAMESPACES)
         if element.get("source"):
             file = self._resolve(element.get("source"), where)
-            if not file.is_file():
+            if not file.exists():
                 raise NavfmuError(f"{where}: its parameter mapping '{element.get('source')}' is missing")
             root, label = self._parse(file, "SystemStructureParameterMapping", "ssm"), self._label(file)
         elif inline is not None:

@@ -23,6 +23,7 @@ from xml.sax.saxutils import escape
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import zipped
+from navfmu.files.reading import read_bytes
 from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.fmu import describe
@@ -132,9 +133,9 @@ class SystemSource:
         if path.is_absolute() or ".." in path.parts or "\\" in name or not path.name:
             raise NavfmuError(f"{where}: expected a name such as faults/gps_lost.toml")
         try:
-            self._extra[f"extra/{path}"] = Path(file).read_bytes()
-        except OSError as error:
-            raise NavfmuError(f"{where}: {file} cannot be read: {error.strerror or error}") from None
+            self._extra[f"extra/{path}"] = read_bytes(file, "a file")
+        except NavfmuError as error:
+            raise NavfmuError(f"{where}: {error}") from None
         return self
 
     @property

@@ -144,14 +144,14 @@ class Assembly:
     def attachment(self, kind: str, name: str | Path) -> Path:
         """A file by path, or by its name among the package's own: ``extra/faults/gps_lost.toml`` by "gps_lost"."""
         path = Path(name)
-        if path.exists():
+        if path.exists() and not path.is_dir():
             return path
         folder = self.structure.file.parent
         for place in (folder / "extra" / kind, folder / kind):
             for candidate in (place / path.name, place / f"{path.name}.toml"):
-                if candidate.is_file():
+                if candidate.exists():
                     return candidate
-        if path.suffix in ("", ".toml") and path.parent == Path():
+        if path.suffix in ("", ".toml") and path.parent == Path() and not path.exists():
             known = [file.stem for place in (folder / "extra" / kind, folder / kind) for file in place.glob("*.toml")]
             have = f" (the system has: {', '.join(sorted(known))})" if known else ""
             raise NavfmuError(f"{kind}: there is no file '{name}'{nearest(path.stem, known)}{have}")
@@ -197,7 +197,7 @@ class Assembly:
             return None
         folder, origin = self.structure.file.parent, self.structure.origin
         for inside in ("extra/report.toml", "report.toml"):
-            if (folder / inside).is_file():
+            if (folder / inside).exists():
                 packed = origin.is_file() and origin != self.structure.file
                 label = f"{origin}: {inside}" if packed else str(folder / inside)
                 return Document(read_text(folder / inside, "report file"), label)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfmu.errors import NavfmuError
+from navfmu.files.reading import regular
 from navfmu.files.writing import write_file
 from navfmu.fmi.names import chosen
 from navfmu.report.pictures import lines
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
 
 def read(file: str | Path) -> pandas.DataFrame:
     """A recording with at least one row; refuses other tables."""
-    path = Path(file)
     kinds = " or ".join(result.SUFFIXES)
-    if path.is_file() and path.suffix.lower() not in result.SUFFIXES:
+    path = regular(file, f"a recording ({kinds})")
+    if path.suffix.lower() not in result.SUFFIXES:
         raise NavfmuError(f"{path}: is not a recording; expected a file whose name ends in {kinds}")
     frame = result.read(path)
     if not len(frame):

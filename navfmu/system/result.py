@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from navfmu.errors import NavfmuError
+from navfmu.files.reading import read_bytes, regular, what_is
 from navfmu.files.writing import replacing, write_file
 from navfmu.fmi.names import bundle
 
@@ -30,8 +31,9 @@ def check_file(path: str | Path, *suffixes: str) -> Path:
     path = Path(path)
     if path.suffix.lower() not in suffixes:
         raise NavfmuError(f"{path}: cannot tell the format from the name; expected {' or '.join(suffixes)} at its end")
-    if path.is_dir():
-        raise NavfmuError(f"{path}: is a folder, expected a file")
+    found = what_is(path)
+    if found not in ("a file", None):
+        raise NavfmuError(f"{path}: is {found}, expected a file")
     check_folder(path.parent)
     return path
 
@@ -95,18 +97,16 @@ def read(path: str | Path) -> pandas.DataFrame:
     import pandas
     import pyarrow
 
-    path = Path(path)
+    path = regular(path, "a recording of a run")
     try:
         if path.suffix.lower() == ".csv":
             frame = pandas.read_csv(path, index_col="time")
             side = path.with_name(path.name + ".json")
-            about = json.loads(side.read_text(encoding="utf-8")) if side.is_file() else {}
+            about = json.loads(read_bytes(side, "what is told of a recording")) if side.exists() else {}
         else:
             table, about = _read_parquet(path)
             frame = table.replace_schema_metadata().to_pandas()
             frame = frame.set_index("time") if "time" in frame.columns else frame
-    except FileNotFoundError:
-        raise NavfmuError(f"{path}: no such file") from None
     except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, pyarrow.ArrowException) as error:
         raise NavfmuError(f"{path}: cannot be read: {' '.join(str(error).split()) or error!r}") from None
     if not isinstance(about, dict):

@@ -335,7 +335,7 @@ def test_a_parameter_that_does_not_exist_is_answered_with_its_line(tmp_path):
 
 
 def test_a_missing_campaign_file_is_a_sentence(tmp_path):
-    with pytest.raises(NavfmuError, match="no such campaign file"):
+    with pytest.raises(NavfmuError, match="no such file; expected a campaign file"):
         load_campaign(tmp_path / "none.toml")
 
 

@@ -113,7 +113,7 @@ def test_run_with(name):
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="devices")
 @pytest.mark.parametrize("command", ["run", "info"])
 def test_a_system_without_an_end(command):
-    refused(navfmu(command, "/dev/zero"), "cannot be read: it is not a file with an end")
+    refused(navfmu(command, "/dev/zero"), "/dev/zero: is a device, expected an")
 
 
 def test_the_version_needs_no_installation():
@@ -213,7 +213,7 @@ TRACKS = {
     "no suffix": (["--out", "x.zip"], "x.zip: cannot tell the format from the name; expected .fmu"),
     "a picture of another kind": (["--out", "x.fmu", "--picture", "x.jpg"], "expected .png"),
     "no lower limit": (["--out", "x.fmu", "--minimum-speed", "inf"], "expected a positive number"),
-    "a missing recording": (["--out", "x.fmu"], "there is no such file"),
+    "a missing recording": (["--out", "x.fmu"], "none.csv: no such file; expected a recorded track"),
 }
 
 

@@ -43,7 +43,7 @@ def test_a_file_is_read(tmp_path):
 
 
 def test_a_missing_file_is_told(tmp_path):
-    with pytest.raises(NavfmuError, match=r"nothing\.toml: no such fault file"):
+    with pytest.raises(NavfmuError, match=r"nothing\.toml: no such file; expected a fault file"):
         load_faults(tmp_path / "nothing.toml")
 
 

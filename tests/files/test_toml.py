@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 
 import pytest
 
@@ -114,13 +113,3 @@ def test_a_file_without_end_is_refused(tmp_path, monkeypatch):
     (tmp_path / "f.toml").write_text("#" * 1_000_001)
     with pytest.raises(NavfmuError, match=r"f\.toml: is larger than 1 MB, expected a campaign file"):
         Document.read(tmp_path / "f.toml", "campaign file")
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of Unix")
-def test_a_pipe_is_read(tmp_path):
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    writer = threading.Thread(target=pipe.write_text, args=("a = 1\n",))
-    writer.start()
-    assert Document.read(pipe).content == {"a": 1}
-    writer.join()

@@ -104,7 +104,7 @@ def test_a_file_that_is_replaced_while_it_is_read_leaves_nothing_in_the_cache(tm
     with pytest.raises(NavfmuError, match=r"sensor\.fmu: was changed by somebody else while it was read"):
         archive.unpack(old, "FMU", digest)
     with monkeypatch.context() as patch:
-        patch.setattr(fmu, "content_hash", lambda path: digest)
+        patch.setattr(fmu, "content_hash", lambda *_: digest)
         with pytest.raises(NavfmuError, match="was changed by somebody else"):
             fmu.describe(old)
     assert not list((cache / "unpacked").iterdir())
@@ -188,7 +188,7 @@ def broken(folder, name, change):
     ("make", "sentence"),
     [
         (lambda f: f / "none.fmu", "none.fmu: no such file"),
-        (lambda f: f, "cannot be read"),
+        (lambda f: f, "is a folder, expected an FMU"),
         (lambda f: (f / "t.fmu").write_text("hello") and f / "t.fmu", "is not an FMU"),
         (lambda f: archive_with(f / "e.fmu", "a"), "has no modelDescription.xml"),
         (lambda f: corrupt(fmus.sensor(f)), "modelDescription.xml is corrupt"),

@@ -90,6 +90,6 @@ def test_an_attachment_stays_inside_the_package(source, name):
 
 def test_an_attachment_that_is_not_there_is_told(source, tmp_path):
     with pytest.raises(
-        NavfmuError, match=r"pair: attachment 'faults/x.toml': .*none.toml cannot be read: No such file"
+        NavfmuError, match=r"pair: attachment 'faults/x.toml': .*none.toml: no such file; expected a file"
     ):
         source.attach("faults/x.toml", tmp_path / "none.toml")

@@ -1,0 +1,59 @@
+"""Files that a user names, read without surprises: what is not a file with an end is told, and not waited for."""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+from navfmu.errors import NavfmuError
+
+KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def what_is(path: str | Path) -> str | None:
+    """What is at a path: "a file", or "a folder", "a pipe", "a device" ...; None where there is nothing."""
+    try:
+        mode = Path(path).stat().st_mode
+    except (OSError, ValueError):
+        return None
+    return next((words for is_it, words in KINDS if is_it(mode)), "a file")
+
+
+def regular(path: str | Path, expected: str) -> Path:
+    """The path, if it is that of a file with an end; ``expected`` ("a fault file") goes into the sentence if not."""
+    path = Path(path)
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise NavfmuError(f"{path}: no such file; expected {expected}") from None
+    except (OSError, ValueError) as error:
+        raise unreadable(path, error) from None
+    found = what_is(path)
+    if found not in ("a file", None):
+        raise NavfmuError(f"{path}: is {found}, expected {expected}")
+    return path
+
+
+def read_bytes(path: str | Path, expected: str, limit: int | None = None) -> bytes:
+    """What a file holds, at most ``limit`` bytes; ``expected`` ("a fault file") goes into the sentence if it cannot."""
+    path = regular(path, expected)
+    try:
+        with open(path, "rb") as file:
+            data = file.read(-1 if limit is None else limit + 1)
+    except OSError as error:
+        raise unreadable(path, error) from None
+    if limit is not None and len(data) > limit:
+        raise NavfmuError(f"{path}: is larger than {limit // 1_000_000} MB, expected {expected}")
+    return data
+
+
+def unreadable(path: Path, error: Exception) -> NavfmuError:
+    """The sentence for a file that the system does not let us read."""
+    return NavfmuError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}")
