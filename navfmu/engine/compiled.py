@@ -233,10 +233,11 @@ class Compiled:
         return self._lost
 
     def _check(self, result: int) -> None:
-        """Raise the sentence for a call that failed in the loop."""
+        """The loop has returned: raise the sentence for a call that failed in it."""
+        number, call = self._place.component, NAMES[self._place.call]
+        self._nowhere()
         if result != FAILED:
             return
-        number, call = self._place.component, NAMES[self._place.call]
         self._refused.add(number)
         partial = self.recording() if self._initialised else None
         status, more = self._master.status, ""

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +16,8 @@ from navfmu.engine.plan import make_plan
 from navfmu.errors import NavfmuError
 from navfmu.export import toolchain
 from tests.engine.probe import chain, ring
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_progress_is_told_while_running_and_ends_at_the_last_step():
@@ -63,6 +66,25 @@ def test_many_engines_are_made_and_freed():
     plan = make_plan(*ring(), step=0.1, stop=0.2)
     with Compiled(plan):  # another one that stays
         assert {compiled.run(plan).values.tobytes() for _ in range(200)} == {compiled.run(plan).values.tobytes()}
+
+
+def test_an_engine_that_was_dropped_is_no_reason_for_the_end_of_a_process():
+    """A process that ended well long after a run got exit code 2, and an FMU from memory given back was blamed."""
+    code = """
+import ctypes
+from navfmu.engine.compiled import Compiled
+from navfmu.engine.plan import make_plan
+from tests.engine.probe import chain
+
+engine = Compiled(make_plan(*chain(2), step=0.1, stop=1.0))
+engine.initialise()
+engine.advance()
+del engine
+others = [bytes([7]) * size for size in range(16, 200) for _ in range(200)]
+ctypes.CDLL(None).exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("stop", [1e12, 1e15])
