@@ -30,3 +30,9 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the known name nearest to ``name``, or an empty string."""
     match = difflib.get_close_matches(str(name), list(known), n=1, cutoff=0.5)
     return f"; did you mean '{match[0]}'?" if match else ""
+
+
+def check_progress(given: object) -> None:
+    """Refuse what is to be called with progress and cannot be; None is not called."""
+    if given is not None and not callable(given):
+        raise NavfmuError(f"progress is {given!r}, expected a function that is called with what is done and all of it")

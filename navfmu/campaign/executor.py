@@ -15,7 +15,7 @@ from navfmu.campaign.definition import Campaign
 from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
 from navfmu.campaign.runs import Answer, Run, runs_of
-from navfmu.errors import Interrupted, NavfmuError, nearest
+from navfmu.errors import Interrupted, NavfmuError, check_progress, nearest
 from navfmu.files.writing import TEMPORARY
 from navfmu.system.pool import Board, Report, in_threads
 
@@ -42,11 +42,12 @@ def run_campaign(
 
     if workers not in WORKERS:
         raise NavfmuError(f"unknown workers '{workers}'{nearest(workers, WORKERS)} (there are {' and '.join(WORKERS)})")
+    check_progress(progress)
     if timeout is not None and not timeout > 0:
         raise NavfmuError(f"the timeout is {timeout:g} s, expected a positive number")
     if timeout is not None and workers == "thread":
         raise NavfmuError("a timeout needs worker processes: a thread that hangs cannot be ended")
-    folder = Path(folder)
+    folder = Path(folder).absolute()  # an FMU in a thread may make another folder the current one
     runs = runs_of(campaign)
     with _alone(folder):
         _tidy(folder)

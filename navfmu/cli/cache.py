@@ -16,7 +16,7 @@ def command(clear: bool) -> None:
     """
     from navfmu.files import cache
 
-    click.echo(cache.directory())
+    click.echo(cache.folder())
     if clear:
         removed = cache.clear()
         click.echo(f"{removed} {'entry' if removed == 1 else 'entries'} removed")

@@ -38,8 +38,9 @@ def command(
     from navfmu.system.result import check_folder
     from navfmu.terminal.progress import Progress
 
+    folder = None if out is None else check_folder(out)
     plan = load_campaign(file, seeds, strict=strict)
-    folder = check_folder(out if out is not None else f"results/{plan.name}")
+    folder = folder or check_folder(f"results/{plan.name}")
     with Progress(plan.name) as progress:
         outcome = run_campaign(
             plan, folder, jobs, progress, workers=workers, timeout=timeout, retry_failed=retry_failed

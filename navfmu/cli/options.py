@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -52,14 +52,15 @@ def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
     given["parameters"] = assigned(given.pop("assignments"))
     signals = given.pop("signals")
     given["record"] = names(signals) or None
-    if signals and given["record"] is None:
-        raise NavfmuError("the names of signals are empty; leave the option out to take those of the system")
     return loaded, given
 
 
-def names(signals: Iterable[str]) -> list[str]:
+def names(signals: Sequence[str]) -> list[str]:
     """Names from repeated options and lists with commas; the comma in ``C[1,2]`` does not separate."""
-    return [name.strip() for text in signals for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+    found = [name.strip() for text in signals for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+    if signals and not found:
+        raise NavfmuError("the names of signals are empty; leave them out to take those that there are")
+    return found
 
 
 def numbers(text: str, option: str) -> list[float]:

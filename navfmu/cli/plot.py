@@ -28,8 +28,9 @@ def command(file: str, signals: tuple[str, ...], out: str | None) -> None:
     if not signals:
         _list(frame)
         return
-    target = result.check_file(out or recording_picture.beside(file), ".png")
-    made = recording_picture.write(frame, names(signals), file, target)
+    chosen = names(signals)
+    target = result.check_file(recording_picture.beside(file) if out is None else out, ".png")
+    made = recording_picture.write(frame, chosen, file, target)
     click.echo(f"wrote {len(made)} signal{'s' if len(made) > 1 else ''} to {target}")
 
 

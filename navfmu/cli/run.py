@@ -24,12 +24,10 @@ def command(system: str, out: str | None, report: str | None, **given: Any) -> N
     from navfmu.system import result
     from navfmu.terminal.progress import Progress
 
-    if out is not None:
-        result.check_target(out)
-    if report is not None:
-        result.check_folder(report)
+    target = None if out is None else result.check_target(out)
+    folder = None if report is None else result.check_folder(report)
     loaded, given = load(system, given)
-    if report is not None:
+    if folder is not None:
         from navfmu.system.run_report import to_record, write_report
 
         named, given["record"] = given["record"], to_record(given["record"], loaded)
@@ -37,10 +35,10 @@ def command(system: str, out: str | None, report: str | None, **given: Any) -> N
     with Progress(loaded.name) as progress:
         frame = experiment.run(progress)
     tell(frame.attrs["notes"])
-    if out is not None:
-        result.write(frame, out)
+    if target is not None:
+        result.write(frame, target)
     from navfmu.cli.summary import summarise
 
     summarise(frame, loaded, out)
-    if report is not None:
-        click.echo(f"report: {write_report(frame, experiment, report, loaded.signals(named) if named else ())}")
+    if folder is not None:
+        click.echo(f"report: {write_report(frame, experiment, folder, loaded.signals(named) if named else ())}")

@@ -25,13 +25,12 @@ def command(system: str, steps: str, tolerance: float, jobs: int | None, out: st
     from navfmu.system.result import check_folder
     from navfmu.terminal.progress import Progress
 
-    if out is not None:
-        check_folder(out)
+    folder = None if out is None else check_folder(out)
     sizes = numbers(steps, "--steps")
     loaded, given = load(system, given)
     experiment = loaded.experiment(step=min(sizes), **given)
     with Progress(f"{loaded.name}, step sizes") as progress:
         result = sweep(experiment, sizes, tolerance / 100.0, jobs, progress)
     tell(result.notes)
-    report = None if out is None else write_report(result, out)
+    report = None if folder is None else write_report(result, folder)
     show(result, report)

@@ -30,8 +30,10 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     if not 0 < minimum_speed < float("inf"):
         raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kt; expected a positive number")
     check_file(out, ".fmu")
-    if picture:
+    if picture is not None:
         check_file(picture, ".png")
+    if name is not None and not name.strip():
+        raise NavfmuError("--name is empty; leave it out to take the name of the file")
     player = shipped("track.fmu")
     with Progress("importing the track") as progress:
         imported = import_track(file, minimum_speed * KNOT, skip_incomplete, progress=progress)

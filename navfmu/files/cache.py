@@ -10,6 +10,7 @@ changed or emptied is made anew. What nobody has used for a month is removed.
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import re
@@ -24,6 +25,7 @@ from typing import IO, Any
 
 from navfmu.errors import NavfmuError
 from navfmu.files.digest import content_hash
+from navfmu.files.reading import what_is
 
 try:
     import fcntl
@@ -51,10 +53,24 @@ def directory() -> Path:
     """The user's cache folder of this project; ``NAVFMU_CACHE`` overrides it."""
     override = os.environ.get("NAVFMU_CACHE")
     if override:
-        return Path(override)
+        return _absolute(override)
     from platformdirs import user_cache_path
 
     return user_cache_path("navfmu", appauthor=False)
+
+
+@functools.cache
+def _absolute(name: str) -> Path:
+    """A folder as it was seen first: an FMU may make another one the current one."""
+    return Path(name).absolute()
+
+
+def folder() -> Path:
+    """The cache folder, which may be missing but not be something else."""
+    home, found = directory(), what_is(directory())
+    if found not in ("a folder", None):
+        raise NavfmuError(f"{home}: is {found}, expected the folder of the cache; set NAVFMU_CACHE to one")
+    return home
 
 
 # ---- entries ---------------------------------------------------------------------------------------------------------
@@ -187,12 +203,12 @@ class Holding:
 
 def holdings() -> list[Holding]:
     """What the cache has, by kind; every entry is verified."""
-    found = []
+    home, found = folder(), []
     for kind, what in KINDS.items():
-        entries = _own(directory() / kind)
+        entries = _own(home / kind)
         damaged = tuple(entry for entry in entries if not _intact(entry))
         found.append(Holding(what, len(entries), _size(entries), damaged))
-    earlier = [entry for kind in EARLIER for entry in _own(directory() / kind)]
+    earlier = [entry for kind in EARLIER for entry in _own(home / kind)]
     return [*found, Holding("of earlier versions", len(earlier), _size(earlier))] if earlier else found
 
 
@@ -203,7 +219,7 @@ def _size(entries: Sequence[Path]) -> int:
 
 def clear() -> int:
     """Remove all entries and return how many there were; nothing else is touched."""
-    home = directory()
+    home = folder()
     if not home.is_dir():
         return 0
     strange = sorted(path.name for path in home.iterdir() if path.name not in (*KINDS, *EARLIER, USED))

@@ -28,6 +28,8 @@ def what_is(path: str | Path) -> str | None:
 
 def regular(path: str | Path, expected: str) -> Path:
     """The path, if it is that of a file with an end; ``expected`` ("a fault file") goes into the sentence if not."""
+    if not str(path).strip():
+        raise NavfmuError(f"the name of a file is empty; expected that of {expected}")
     path = Path(path)
     try:
         path.stat()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, check_progress
 from navfmu.recorded import defects as found
 from navfmu.recorded.smooth import Flight, Manoeuvre, Noise, Residuals, smooth
 from navfmu.recorded.track import FEWEST_ROWS, FOOT, KNOT, Recording, read
@@ -72,6 +72,7 @@ def import_track(
     manoeuvre : how hard the aircraft may accelerate; the default suits transport and general aviation
     progress : called with the passes of smoothing that are done, the most there can be, and a note
     """
+    check_progress(progress)
     recording = read(path, skip_incomplete)
     account = found.Defects()
     say = account.sentences.append

@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from navfmu.engine.clock import exact
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, check_progress
 from navfmu.fmi import names
 from navfmu.sweep.compare import comparable, compare, not_real, validity
 from navfmu.sweep.result import ALGORITHMS, Sweep
@@ -47,6 +47,7 @@ def sweep(
     ordered = _checked_steps(steps)
     if not 0.0 < tolerance < math.inf:
         raise NavfmuError(f"the tolerance is {100 * tolerance:g} %, expected a positive number")
+    check_progress(progress)
     period = _shared_period(ordered, experiment.stop)
     system = experiment.system
     wanted = [*experiment.record, *_validities(system, experiment.record)]

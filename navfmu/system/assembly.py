@@ -143,13 +143,15 @@ class Assembly:
 
     def attachment(self, kind: str, name: str | Path) -> Path:
         """A file by path, or by its name among the package's own: ``extra/faults/gps_lost.toml`` by "gps_lost"."""
+        if not str(name).strip():
+            raise NavfmuError(f"{kind}: the name of the file is empty")
         path = Path(name)
         if path.exists() and not path.is_dir():
             return path
         folder = self.structure.file.parent
         for place in (folder / "extra" / kind, folder / kind):
             for candidate in (place / path.name, place / f"{path.name}.toml"):
-                if candidate.exists():
+                if candidate.exists() and not candidate.is_dir():
                     return candidate
         if path.suffix in ("", ".toml") and path.parent == Path() and not path.exists():
             known = [file.stem for place in (folder / "extra" / kind, folder / kind) for file in place.glob("*.toml")]

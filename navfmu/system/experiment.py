@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.clock import Clock
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import NavfmuError, check_progress, nearest
+from navfmu.fmi.seconds import short
 from navfmu.fmi.values import checked, expand
 from navfmu.system.assembly import Assembly
 from navfmu.system.provenance import environment, versions
@@ -111,7 +112,7 @@ class Experiment:
             raise NavfmuError(
                 f"parameters are {self.parameters!r}, expected values by name: {{'imu.gyro_drift_sigma': '1 deg/h'}}"
             )
-        return {name: _plain(value) for name, value in self.parameters.items()}
+        return {_name(name, value): _plain(value) for name, value in self.parameters.items()}
 
     # -- running it ----------------------------------------------------------------------------------------------
 
@@ -164,7 +165,8 @@ class Experiment:
         """
         from navfmu.system.result import as_frame
 
-        plan = self.plan()
+        check_progress(progress)
+        plan, about = self.plan(), self.provenance()  # of files as they are seen from here: an FMU may go elsewhere
         if self.engine == "reference":
             from navfmu.engine import reference
 
@@ -179,7 +181,7 @@ class Experiment:
                     recording = compiled.run(plan, progress, box)
         frame = as_frame(recording)
         frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.notes]
-        frame.attrs["provenance"] = self.provenance()
+        frame.attrs["provenance"] = about
         return frame
 
     # -- views of it ---------------------------------------------------------------------------------------------
@@ -269,6 +271,18 @@ class Experiment:
 
 def _is_seed(value: object) -> bool:
     return isinstance(value, Integral) and not isinstance(value, bool) and 0 <= value < 2**31
+
+
+def _name(name: object, value: Any) -> str:
+    """The name of a parameter, which is that of a component and one of its own."""
+    if isinstance(value, Mapping):
+        inner, given = next(iter(value.items()), ("gyro_drift_sigma", "1 deg/h"))
+        raise NavfmuError(
+            f"parameter '{name}' is a table, expected a value for each name: {{'{name}.{inner}': {short(given)}}}"
+        )
+    if not isinstance(name, str) or not all(name.partition(".")):
+        raise NavfmuError(f"parameter {name!r} names none; expected component.parameter, as 'imu.gyro_drift_sigma'")
+    return name
 
 
 def _default_period(stop: float, step: float) -> float:

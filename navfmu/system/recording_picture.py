@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from navfmu.errors import NavfmuError
 from navfmu.files.reading import regular
 from navfmu.files.writing import write_file
@@ -32,7 +34,20 @@ def read(file: str | Path) -> pandas.DataFrame:
     if frame.index.name != "time" or frame.index.dtype.kind not in "fiu" or text:
         why = f"'{text[0]}' holds texts" if text else "it has no column 'time' of numbers"
         raise NavfmuError(f"{path}: is not a recording of a run: {why}")
+    _refuse_disorder(path, frame)
     return frame
+
+
+def _refuse_disorder(path: Path, frame: pandas.DataFrame) -> None:
+    """Times go up from row to row; a line that runs back and forth would look like values."""
+    time = frame.index.to_numpy(float)
+    wrong = ~np.isfinite(time)
+    wrong[1:] |= ~(np.diff(time) > 0.0)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        after = f" after {time[row - 1]:.9g}" if row else ""
+        place = f"line {row + 2}" if path.suffix.lower() == ".csv" else f"row {row + 1}"
+        raise NavfmuError(f"{path}, {place}: time is {time[row]:.9g}{after}; expected times that go up from row to row")
 
 
 def beside(file: str | Path) -> Path:

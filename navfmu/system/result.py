@@ -22,12 +22,17 @@ SUFFIXES = (".parquet", ".csv")
 
 
 def check_target(path: str | Path) -> Path:
-    """Refuse a result file that could not be written, before the run and not after it."""
+    """The absolute path of a result file; one that could not be written is refused, before the run and not after."""
     return check_file(path, *SUFFIXES)
 
 
 def check_file(path: str | Path, *suffixes: str) -> Path:
-    """Refuse a file that could not be written, or whose name does not end in one of the suffixes."""
+    """The absolute path of a file; one that could not be written, or has none of the suffixes, is refused.
+
+    Absolute because an FMU may make another folder the current one: to be asked for before any FMU is loaded.
+    """
+    if not str(path).strip():
+        raise NavfmuError(f"the name of the file to write is empty; expected {' or '.join(suffixes)} at its end")
     path = Path(path)
     if path.suffix.lower() not in suffixes:
         raise NavfmuError(f"{path}: cannot tell the format from the name; expected {' or '.join(suffixes)} at its end")
@@ -35,20 +40,20 @@ def check_file(path: str | Path, *suffixes: str) -> Path:
     if found not in ("a file", None):
         raise NavfmuError(f"{path}: is {found}, expected a file")
     check_folder(path.parent)
-    return path
+    return path.absolute()
 
 
 def check_folder(folder: str | Path) -> Path:
-    """Refuse a folder that neither is one nor could become one."""
+    """The absolute path of a folder to write into; what neither is one nor could become one is refused."""
     if not str(folder).strip():
-        raise NavfmuError("the name of the folder is empty")
+        raise NavfmuError("the name of the folder to write into is empty")
     folder = Path(folder)
     existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
     if not existing.is_dir():
         raise NavfmuError(f"{folder}: cannot be written: {existing} is not a folder")
     if not os.access(existing, os.W_OK):
         raise NavfmuError(f"{folder}: cannot be written: no permission to write to {existing}")
-    return folder
+    return folder.absolute()
 
 
 def as_frame(recording: Recording) -> pandas.DataFrame:

@@ -100,6 +100,9 @@ ARGUMENTS = {
         "expected the entries of one fault",
     ),
     "an option that does not exist": (["--stpo", "1"], "'--stop'"),
+    "a fault file without a name": (["--faults", ""], "faults: the name of the file is empty"),
+    "a result without a name": (["--out", ""], "the name of the file to write is empty; expected .parquet or .csv"),
+    "a report without a name": (["--report", " "], "the name of the folder to write into is empty"),
     "a format that is not known": (["--out", "a.xlsx"], "a.xlsx: cannot tell the format from the name"),
 }
 
@@ -212,6 +215,12 @@ def test_an_fmu_whose_binary_cannot_be_loaded(tmp_path):
 TRACKS = {
     "no suffix": (["--out", "x.zip"], "x.zip: cannot tell the format from the name; expected .fmu"),
     "a picture of another kind": (["--out", "x.fmu", "--picture", "x.jpg"], "expected .png"),
+    "a result without a name": (["--out", ""], "the name of the file to write is empty; expected .fmu"),
+    "a picture without a name": (
+        ["--out", "x.fmu", "--picture", ""],
+        "name of the file to write is empty; expected .png",
+    ),
+    "a model without a name": (["--out", "x.fmu", "--name", ""], "--name is empty"),
     "no lower limit": (["--out", "x.fmu", "--minimum-speed", "inf"], "expected a positive number"),
     "a missing recording": (["--out", "x.fmu"], "none.csv: no such file; expected a recorded track"),
 }

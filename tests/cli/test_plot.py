@@ -97,6 +97,12 @@ def test_csv_files_are_drawn_with_and_without_what_stands_beside_them(recording,
         (["numbers.parquet", "lag.y"], "is not a recording of a run: it has no column 'time' of numbers"),
         (["empty.csv", "lag.y"], "empty.csv: holds no recorded values"),
         (["noise.parquet", "lag.y"], "noise.parquet: cannot be read"),
+        (["flight.parquet", ""], "the names of signals are empty"),
+        (["flight.parquet", "lag.y", "--out", ""], "the name of the file to write is empty"),
+        (["", "lag.y"], "the name of a file is empty; expected that of a recording"),
+        (["back.csv"], "back.csv, line 4: time is 1 after 2; expected times that go up from row to row"),
+        (["again.parquet", "lag.y"], "again.parquet, row 2: time is 0 after 0; expected times that go up"),
+        (["never.csv", "lag.y"], "never.csv, line 2: time is nan; expected times that go up"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_a_sentence(recording, tmp_path, monkeypatch, arguments, sentence):
@@ -105,6 +111,9 @@ def test_what_cannot_be_drawn_is_a_sentence(recording, tmp_path, monkeypatch, ar
     Path("text.txt").write_text("lag.y")
     pandas.DataFrame({"time": [0.0], "name": ["x"]}).to_parquet("people.parquet")
     pandas.DataFrame({"lag.y": [0.0]}).to_parquet("numbers.parquet")
+    pandas.DataFrame({"time": [0.0, 0.0], "lag.y": [1.0, 2.0]}).to_parquet("again.parquet")
+    Path("back.csv").write_text("time,lag.y\n0,1\n2,1\n1,1\n")
+    Path("never.csv").write_text("time,lag.y\nnan,1\n1.5,1\n")
     Path("empty.csv").write_text("time,lag.y\n")
     Path("noise.parquet").write_bytes(b"no parquet at all")
     before = sorted(Path().iterdir())

@@ -16,7 +16,7 @@ enum { U, Y, TAU, GAIN, START, FAIL_AT, SEEN, SLOPE, TIME, SAMPLE, VALIDITY, CUR
 enum { NUMBER, ECHO, FAIL_STATUS, FAIL_CALL, SEQUENCE, INTEGERS };
 enum { FLAG, FLAG_ECHO, VALID, BOOLEANS };
 enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE };
-enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK }; /* statuses that no FMU returns: the end of the process */
+enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE }; /* statuses that no FMU returns: the end of the process */
 
 typedef struct {
     double r[REALS], du;
@@ -32,6 +32,10 @@ static void die(int way) {
 #ifndef _WIN32
     if (way == READ) {
         (void)getchar();
+        return;
+    }
+    if (way == LEAVE) {
+        if (chdir("/")) abort();
         return;
     }
     if (way == CLOSE)

@@ -218,3 +218,13 @@ def test_an_fmu_is_unpacked_again_when_its_entry_was_removed(home, monkeypatch):
     assert archive.unpack(file, "FMU", content_hash(file)) == loaded.folder
     assert navfmu("--clear").exit_code == 0
     assert fmu.load(file).library.is_file()
+
+
+@pytest.mark.parametrize("option", [[], ["--clear"]])
+def test_a_cache_that_is_a_file_is_told(tmp_path, monkeypatch, option):
+    (tmp_path / "file").write_text("mine")
+    monkeypatch.setenv("NAVFMU_CACHE", str(tmp_path / "file"))
+    result = CliRunner().invoke(main, ["cache", *option])
+    assert result.exit_code == 2 and result.stdout == ""
+    assert result.stderr.startswith(f"navfmu: {tmp_path / 'file'}: is a file, expected the folder of the cache")
+    assert (tmp_path / "file").read_text() == "mine"
