@@ -19,7 +19,7 @@ from typing import Any
 from navfmu.campaign.flight import fail
 from navfmu.campaign.runs import Run
 from navfmu.engine.blackbox import BlackBox, steps_made
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, quoted
 
 Progress = Callable[[int, int], None]
 _PACKAGE = Path(__file__).resolve().parents[2]
@@ -201,4 +201,4 @@ class Worker:
         with open(self._log, "rb") as log:
             log.seek(max(self._said, self._log.stat().st_size - 4096))
             lines = log.read().decode("utf-8", "replace").split("\n")
-        return next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return next((quoted(line) for line in reversed(lines) if line.strip()), "")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from navfmu.campaign.runs import Answer, Run
 from navfmu.engine.recording import Recording, RunError
+from navfmu.errors import visible
 from navfmu.files.digest import content_hash
 from navfmu.files.writing import write_file
 from navfmu.system.result import as_frame, other_notes, write
@@ -39,7 +40,7 @@ def fail(run: Run, folder: Path, error: str, place: dict[str, str | float], reco
     frame = None
     if recording is not None and len(recording.time):
         frame = as_frame(recording)
-        frame.attrs["notes"] = [*run.experiment.system.notes, *recording.notes]
+        frame.attrs["notes"] = [visible(note) for note in (*run.experiment.system.notes, *recording.notes)]
         frame.attrs["provenance"] = run.experiment.provenance() | {"error": error}
     _keep(run, folder, frame, error, place)
 

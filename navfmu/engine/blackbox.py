@@ -28,7 +28,7 @@ from navfmu.engine.recording import Recording, recording, room, too_large, warne
 from navfmu.engine.structures import NAMES, Log, Place
 from navfmu.errors import NavfmuError
 
-MAGIC, VERSION = b"navfmu\x1ab", 1
+MAGIC, VERSION = b"navfmu\x1ab", 2
 
 
 @dataclass(frozen=True, eq=False)

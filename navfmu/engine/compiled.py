@@ -23,7 +23,7 @@ from navfmu.engine.library import binary
 from navfmu.engine.link import TYPES
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, warned
-from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master, text
+from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master
 from navfmu.errors import NavfmuError
 
 _CALLS = (c_char_p * len(NAMES))(*(name.encode() for name in NAMES))
@@ -252,7 +252,7 @@ class Compiled:
         if status == 4:
             self._fatal.add(number)
         name = self.plan.parts[number].component.name
-        sentence = refusal(name, call, status, when, text(self._logs[number].error))
+        sentence = refusal(name, call, status, when, self._logs[number].refused())
         raise RunError(sentence + more, partial, component=name, call=call, time=when)
 
     # ---- states ------------------------------------------------------------------------------------------------------

@@ -73,7 +73,8 @@ def build(platform: str, native: Path = NATIVE) -> Path:
     try:
         toolchain.compile_shared(UNITS, path, platform, include=(SOURCE, RUNTIME))
     except NavfmuError as error:
-        raise NavfmuError(f"the engine has no binary for {platform} and cannot be built: {error}") from None
+        sentence, _, lines = str(error).partition("\n")
+        raise NavfmuError(f"the engine has no binary for {platform} and cannot be built: {sentence}", lines) from None
     except OSError as error:
         raise NavfmuError(f"the engine's binary cannot be written to {path.parent}: {error}") from None
     for old in path.parent.glob("navfmu_engine-*"):

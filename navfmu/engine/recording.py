@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from navfmu.engine.plan import Plan
-from navfmu.engine.structures import Log, text
+from navfmu.engine.structures import Log
 from navfmu.errors import NavfmuError
 from navfmu.fmi.names import bundle
 
@@ -119,7 +119,7 @@ def warned(plan: Plan, logs: Sequence[Log], counts: Sequence[int]) -> list[str]:
     """What components warned of; ``counts`` are their calls that returned Warning, with or without a message."""
     sentences = []
     for part, log, returned in zip(plan.parts, logs, counts, strict=True):
-        count, said = max(returned, log.warnings), text(log.warning) or "it gave no reason"
+        count, said = max(returned, log.warnings), log.warned() or "it gave no reason"
         if count:
             times = "once" if count == 1 else f"{count} times, at last"
             sentences.append(f"component '{part.component.name}' warned {times}: {said}")

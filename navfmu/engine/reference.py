@@ -33,7 +33,6 @@ from navfmu.engine.structures import (
     WARNING,
     Callbacks,
     Log,
-    text,
 )
 from navfmu.errors import NavfmuError
 
@@ -370,7 +369,7 @@ class Reference:
             self._fatal.add(number)
         name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
         raise RunError(
-            refusal(name, error.function, error.status, when, text(self._logs[number].error)) + more,
+            refusal(name, error.function, error.status, when, self._logs[number].refused()) + more,
             self.recording() if self._initialised else None,
             component=name,
             call=error.function,

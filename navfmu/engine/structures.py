@@ -19,7 +19,7 @@ from ctypes import (
 )
 
 from navfmu.engine import effect, initial
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, quoted
 
 #: The enumeration Call, in its order: what each is called in FMI. The loop's own come first.
 CALLS = {
@@ -56,11 +56,6 @@ DISCARD = 2
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind: what can be asked after a step was discarded
 
 
-def text(raw: bytes) -> str:
-    """What an FMU has written."""
-    return raw.decode("utf-8", "replace").strip()
-
-
 class Place(Structure):
     """How far a run is and which call it is in, written before each call to an FMU."""
 
@@ -80,11 +75,21 @@ class Log(Structure):
         ("warning", c_char * 2048),
         ("errors", c_int64),
         ("warnings", c_int64),
+        ("error_more", c_int64),  # characters that had no room
+        ("warning_more", c_int64),
     ]
+
+    def refused(self) -> str:
+        """The errors; empty if there are none."""
+        return quoted(self.error.decode("utf-8", "replace"), self.error_more)
+
+    def warned(self) -> str:
+        """The last warning; empty if there is none."""
+        return quoted(self.warning.decode("utf-8", "replace"), self.warning_more)
 
     def complaint(self) -> str:
         """The errors, or else the last warning; empty if there is none."""
-        return text(self.error) or text(self.warning)
+        return self.refused() or self.warned()
 
 
 class Callbacks(Structure):

@@ -115,7 +115,7 @@ def compile_shared(
         done = subprocess.run(command, cwd=scratch, capture_output=True, text=True, check=False)
         if done.returncode or not result.is_file():
             names = ", ".join(Path(source).name for source in sources)
-            raise NavfmuError(f"the compiler failed on {names} for {target}:\n{done.stderr.strip()[-4000:]}")
+            raise NavfmuError(f"the compiler failed on {names} for {target}:", done.stderr.strip()[-4000:])
         os.replace(result, output)
     return output
 

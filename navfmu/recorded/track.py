@@ -82,7 +82,9 @@ def read(path: str | Path, skip_incomplete: bool = False) -> Recording:
         # skip_blank_lines off: the row number then gives the line number
         frame = pd.read_csv(path, comment=None, skipinitialspace=True, skip_blank_lines=False)
     except ValueError as problem:
-        raise NavfmuError(f"{path}: this is not a CSV table with a header line ({str(problem).strip()})") from problem
+        raise NavfmuError(
+            f"{path}: this is not a CSV table with a header line ({' '.join(str(problem).split())})"
+        ) from problem
     except OSError as problem:
         raise unreadable(path, problem) from None
     frame.columns = [str(c).strip() for c in frame.columns]

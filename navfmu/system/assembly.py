@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.link import Link
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import NavfmuError, nearest, visible
 from navfmu.files.toml import Document, read_text
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
@@ -92,11 +92,12 @@ class Assembly:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know about the documents: where FMUs were found, what has no effect, what is wrong."""
-        return (
+        notes = (
             *self.structure.notes,
             *(f"has no effect: {line}" for line in self.structure.ignored),
             *(f"read leniently: {line}" for line in self.lenient),
         )
+        return tuple(map(visible, notes))
 
     @property
     def lenient(self) -> tuple[str, ...]:

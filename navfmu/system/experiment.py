@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.clock import Clock
-from navfmu.errors import NavfmuError, check_progress, nearest
+from navfmu.errors import NavfmuError, check_progress, nearest, visible
 from navfmu.fmi.seconds import short
 from navfmu.fmi.values import checked, expand
 from navfmu.system.assembly import Assembly
@@ -180,7 +180,7 @@ class Experiment:
                 with memory(plan) as box:
                     recording = compiled.run(plan, progress, box)
         frame = as_frame(recording)
-        frame.attrs["notes"] = [*self.system.notes, *plan.notes, *recording.notes]
+        frame.attrs["notes"] = [visible(note) for note in (*self.system.notes, *plan.notes, *recording.notes)]
         frame.attrs["provenance"] = about
         return frame
 

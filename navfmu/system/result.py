@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, visible
 from navfmu.files.reading import read_bytes, regular, what_is
 from navfmu.files.writing import replacing, write_file
 from navfmu.fmi.names import bundle
@@ -77,8 +77,8 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
 
 def other_notes(frame: pandas.DataFrame, *, lost: bool = True) -> list[str]:
     """The notes of a run without those that ``not_finite`` tells (and ``lost``): they differ from run to run."""
-    told = [f"'{name}' is not finite at " for name in frame.attrs["not_finite"]]
-    told += [] if lost else [f" of '{bundle(name)}' w" for name in frame.attrs["lost"]]
+    told = [f"'{visible(name)}' is not finite at " for name in frame.attrs["not_finite"]]
+    told += [] if lost else [f" of '{visible(bundle(name))}' w" for name in frame.attrs["lost"]]
     return [note for note in frame.attrs["notes"] if not any(part in note for part in told)]
 
 

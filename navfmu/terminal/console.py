@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 
 from rich.console import Console
 from rich.text import Text
+
+from navfmu.errors import visible
 
 FILE_WIDTH = 160  # columns where nobody says how many there are: a file, a pipe
 
@@ -22,7 +25,8 @@ def say(out: Console, text: str | Text, indent: int = 0, hang: int = 0) -> None:
     All lines are moved in by ``indent``, those after the first by ``hang`` more. Paths
     are printed with ``soft_wrap`` instead: what is to be copied has no breaks.
     """
-    content = text if isinstance(text, Text) else Text(text)
+    line = one_line(text)
+    content = line if isinstance(line, Text) else Text(line)
     if not (out.is_terminal or _columns()):
         out.print(Text(" " * indent) + content, soft_wrap=True)
         return
@@ -35,6 +39,12 @@ def say(out: Console, text: str | Text, indent: int = 0, hang: int = 0) -> None:
     for number, line in enumerate([first, *rest]):
         line.rstrip()
         out.print(Text(" " * (indent + (hang if number else 0))) + line, no_wrap=True)
+
+
+def one_line(text: str | Text) -> str | Text:
+    """The same in one line, with control characters made visible; styles are lost where there are any."""
+    plain = text.plain if isinstance(text, Text) else text
+    return text if plain.isprintable() else visible(re.sub(r"\s*\n\s*", " ", plain))
 
 
 def _columns() -> bool:

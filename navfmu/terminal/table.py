@@ -17,6 +17,8 @@ from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions
 from rich.text import Text
 
+from navfmu.terminal.console import one_line
+
 GAP = 2  # spaces between columns
 SENTENCE = 24  # the least that a sentence needs beside the other columns
 UNBROKEN = 8  # longer headings wrap
@@ -50,7 +52,7 @@ class Table:
         self, columns: Sequence[Column], rows: Iterable[Sequence[str | Text]], title: str = "", keys: int | None = None
     ) -> None:
         self.columns = list(columns)
-        self.rows = [list(row) for row in rows]
+        self.rows = [[one_line(cell) for cell in row] for row in rows]
         self.title = title
         names = itertools.takewhile(lambda column: column.kind is Kind.NAME, self.columns)
         self.keys = sum(1 for _ in names) if keys is None else keys

@@ -8,7 +8,7 @@ from navfmu.fmi.fmu import library_suffix, platforms
 from tests.engine.probe import library
 from tests.ssp import fmus
 
-SEGFAULT, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE = range(10, 18)
+SEGFAULT, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE, SHOUT = range(10, 19)
 ERROR = 3
 
 

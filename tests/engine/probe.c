@@ -16,7 +16,7 @@ enum { U, Y, TAU, GAIN, START, FAIL_AT, SEEN, SLOPE, TIME, SAMPLE, VALIDITY, CUR
 enum { NUMBER, ECHO, FAIL_STATUS, FAIL_CALL, SEQUENCE, INTEGERS };
 enum { FLAG, FLAG_ECHO, VALID, BOOLEANS };
 enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE };
-enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE }; /* statuses that no FMU returns: the end of the process */
+enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE, SHOUT }; /* statuses that no FMU returns: the end of the process */
 
 typedef struct {
     double r[REALS], du;
@@ -48,8 +48,19 @@ static void die(int way) {
     for (volatile int forever = 1; forever;) {}
 }
 
+static fmi2Status shout(Probe *p, fmi2Status status) {
+    char *text = malloc(200001);
+    memset(text, 'x', 200000);
+    memcpy(text, "red \x1b[31m,\nnew line,\x07 bell ", 27);
+    text[200000] = '\0';
+    p->callbacks->logger(p->callbacks->componentEnvironment, "probe", status, "logStatus", "%s", text);
+    free(text);
+    return status;
+}
+
 static fmi2Status trouble(Probe *p, int call, double t) {
     if (p->i[FAIL_CALL] != call || p->i[FAIL_STATUS] == 0 || t < p->r[FAIL_AT]) return fmi2OK;
+    if (p->i[FAIL_STATUS] == SHOUT) return shout(p, call == WARN_STEP ? fmi2Warning : fmi2Error);
     if (p->label[0]) /* or it says nothing */
         p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
                              "%s gave up at %g s after %d", p->label, t, 42);

@@ -38,6 +38,7 @@ static const Field FIELDS[] = {
     WHOLE(Place), FIELD(Place, k), FIELD(Place, rows), FIELD(Place, component), FIELD(Place, call),
 
     WHOLE(Log), FIELD(Log, error), FIELD(Log, warning), FIELD(Log, errors), FIELD(Log, warnings),
+    FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
     FIELD(Master, effect), FIELD(Master, signal), FIELD(Master, components), FIELD(Master, moves),

@@ -101,6 +101,7 @@ typedef struct {
     char error[2048];             /* all errors one after the other: the first often tells more than the last */
     char warning[2048];           /* the last warning */
     int64_t errors, warnings;
+    int64_t error_more, warning_more; /* characters that had no room */
 } Log;
 
 typedef struct {
