@@ -115,7 +115,11 @@ def candidates(folder: Path) -> list[tuple[str, Path, Description]]:
             if "expected FMI 2.0" in str(error) or "model exchange only" in str(error):
                 continue
             about = Description(path.stem, "", path.stem, ())  # FMPy may read it
-        if set(platforms()) & set(binaries(path)):
+        try:
+            here = set(platforms()) & set(binaries(path))
+        except NavfmuError:  # not even an archive
+            continue
+        if here:
             found.setdefault(content_hash(path), (str(path.relative_to(folder)), path, about))
     return list(found.values())
 

@@ -25,7 +25,10 @@ from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, warned
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master
 from navfmu.errors import NavfmuError
+from navfmu.fmi.description import Description
+from navfmu.fmi.functions import OPTIONAL
 
+MAY_LACK = {*ASKED, *(name for names in OPTIONAL.values() for name in names)}
 _CALLS = (c_char_p * len(NAMES))(*(name.encode() for name in NAMES))
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
 
@@ -81,9 +84,9 @@ class Fmi2:
         setter = (c_void_p, c_void_p, c_size_t, c_void_p)
         self.set = {kind: self._function(f"fmi2Set{kind}", *setter) for kind in (*TYPES, "String")}
         self.get_integer = self._function("fmi2GetInteger", *setter)
-        self.get_state = self._function("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
-        self.set_state = self._function("fmi2SetFMUstate", c_void_p, c_void_p)
-        self.free_state = self._function("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
+        self.get_state = self._optional("fmi2GetFMUstate", c_void_p, POINTER(c_void_p))
+        self.set_state = self._optional("fmi2SetFMUstate", c_void_p, c_void_p)
+        self.free_state = self._optional("fmi2FreeFMUstate", c_void_p, POINTER(c_void_p))
         self.addresses = {field: self._address(name) for field, name in LOOP.items()}
 
     def _function(self, name: str, *arguments: Any, result: Any = c_int) -> Any:
@@ -94,10 +97,18 @@ class Fmi2:
         function.argtypes, function.restype = arguments, result
         return function
 
+    def _optional(self, name: str, *arguments: Any) -> Any:
+        return self._function(name, *arguments) if hasattr(self.library, name) else None
+
     def _address(self, name: str) -> int | None:
-        if name in ASKED and not hasattr(self.library, name):
-            return None
-        return ctypes.cast(self._function(name), c_void_p).value
+        function = self._optional(name) if name in MAY_LACK else self._function(name)
+        return None if function is None else ctypes.cast(function, c_void_p).value
+
+    def check(self, description: Description) -> None:
+        """Refuse a library that lacks a function of what its description claims."""
+        for ability, names in OPTIONAL.items():
+            for name in names if getattr(description, ability) else ():
+                self._function(name)
 
 
 @dataclass(eq=False)
@@ -370,6 +381,7 @@ class Compiled:
         self._at(number, "the loading of its binary")
         try:
             fmu = fmi2(part.component.fmu.library)
+            fmu.check(part.component.description)
         except NavfmuError as error:
             raise NavfmuError(f"component '{part.component.name}': {error}") from None
         self._nowhere()

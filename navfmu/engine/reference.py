@@ -331,13 +331,16 @@ class Reference:
 
     def _instantiate(self, number: int, part: Part) -> None:
         component, log = part.component, self._logs[number]
-        fmu = FMU2Counting(
-            guid=component.description.guid,
-            modelIdentifier=component.description.model_identifier,
-            unzipDirectory=str(component.fmu.folder.resolve()),
-            instanceName=component.name,
-            libraryPath=str(component.fmu.library),
-        )
+        try:
+            fmu = FMU2Counting(
+                guid=component.description.guid,
+                modelIdentifier=component.description.model_identifier,
+                unzipDirectory=str(component.fmu.folder.resolve()),
+                instanceName=component.name,
+                libraryPath=str(component.fmu.library),
+            )
+        except Exception as error:  # also of a library that lacks a function, whether or not it is needed
+            raise NavfmuError(f"component '{component.name}': FMPy cannot load its binary: {error}") from None
         callbacks = fmi2CallbackFunctions()
         engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))
         single.take(component)

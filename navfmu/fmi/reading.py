@@ -17,6 +17,7 @@ from typing import Any
 from navfmu.errors import NavfmuError
 from navfmu.files.archive import habits, open_archive, read_entry, zipped
 from navfmu.files.markup import parse, validate
+from navfmu.fmi.functions import lacking
 
 NAME = "modelDescription.xml"
 #: Problems of the schema that do not matter here: no outputs, and a date that nobody reads.
@@ -47,22 +48,28 @@ def read(path: Path) -> dict[str, Any]:
     interface = model.coSimulation
     if not interface.modelIdentifier.isidentifier():
         lenient.append(f"{NAME}: modelIdentifier '{interface.modelIdentifier}' is not an identifier of the C language")
+    identifier = _file_name(interface.modelIdentifier, where)
+    abilities = {
+        "can_get_and_set_state": bool(interface.canGetAndSetFMUstate),
+        "can_serialize_state": bool(interface.canSerializeFMUstate),
+        "can_interpolate_inputs": bool(interface.canInterpolateInputs),
+        "can_handle_variable_step": bool(interface.canHandleVariableCommunicationStepSize),
+    }
+    with open_archive(path, "FMU") as archive:
+        lenient += lacking(archive, path, identifier, abilities)
     faults = _fault_inputs(root)
     experiment = model.defaultExperiment
     return {
         "fmi_version": version,
         "model_name": model.modelName,
         "guid": model.guid,
-        "model_identifier": _file_name(interface.modelIdentifier, where),
+        "model_identifier": identifier,
         "description": model.description or "",
         "version": model.version or "",
         "generation_tool": model.generationTool or "",
         "needs_execution_tool": bool(interface.needsExecutionTool),
         "only_one_instance": bool(interface.canBeInstantiatedOnlyOncePerProcess),
-        "can_get_and_set_state": bool(interface.canGetAndSetFMUstate),
-        "can_serialize_state": bool(interface.canSerializeFMUstate),
-        "can_interpolate_inputs": bool(interface.canInterpolateInputs),
-        "can_handle_variable_step": bool(interface.canHandleVariableCommunicationStepSize),
+        **abilities,
         "max_output_derivative_order": int(interface.maxOutputDerivativeOrder or 0),
         "stop_time": _float(experiment.stopTime) if experiment else None,
         "step_size": _float(experiment.stepSize) if experiment else None,

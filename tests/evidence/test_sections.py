@@ -188,6 +188,7 @@ def test_public_fmus_run_in_both_hosts_each_in_a_process_of_its_own(monkeypatch,
     dead = lag(tmp_path / "b", replaced(('guid="{probe}"', 'guid="{dies}10"'))).rename(tmp_path / "b" / "dead.fmu")
     (tmp_path / "c" / "copy.fmu").write_bytes(dead.read_bytes())
     lag(tmp_path / "d", replaced(('fmiVersion="2.0"', 'fmiVersion="3.0"')))
+    (tmp_path / "d" / "empty.fmu").touch()  # no archive
     monkeypatch.setenv("NAVFMU_PUBLIC_FMUS", str(tmp_path))
     section = public_fmus.run(tmp_path)
     text = text_of(section)

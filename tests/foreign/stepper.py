@@ -54,11 +54,18 @@ def description(dependencies: Dependencies = DEPENDENCIES, identifier: str = "st
     return text[:begin] + "<ModelStructure>" + structure + text[end:]
 
 
-def write(path: Path, *, identifier: str = "stepper", **options: Any) -> Path:
+@cache
+def bare() -> Path:
+    """The same without the functions of states and slopes."""
+    return compile_fmu(Path(__file__).with_name("bare.c"))
+
+
+def write(path: Path, *, identifier: str = "stepper", binary: Path | None = None, **options: Any) -> Path:
     """The FMU as a file."""
+    contents = (binary or library()).read_bytes()
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", description(identifier=identifier, **options))
-        archive.writestr(f"binaries/{platforms()[0]}/{identifier}{library_suffix()}", library().read_bytes())
+        archive.writestr(f"binaries/{platforms()[0]}/{identifier}{library_suffix()}", contents)
     return path
 
 

@@ -12,6 +12,7 @@ from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from navfmu.fmi import fmu
 
+from . import stepper
 from .habits import lag, replaced
 
 
@@ -21,10 +22,10 @@ def private_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(fmu, "_memory", {})
 
 
-def run(file):
+def run(file, parameters=None):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return System.load(file).run(stop=1, step=0.125)
+        return System.load(file).run(stop=1, step=0.125, parameters=parameters)
 
 
 VENDOR = "<VendorAnnotations><Tool name='x'><x:y/></Tool></VendorAnnotations>"
@@ -108,6 +109,31 @@ def test_an_fmu_without_outputs_runs(tmp_path, structure):
 def test_a_binary_under_another_name_is_named(tmp_path):
     with pytest.raises(NavfmuError, match=r"has no binary probe\.\w+ for this machine .* binaries/\w+/other\."):
         System.load(lag(tmp_path, binary="other"))
+
+
+def test_a_library_without_the_functions_of_what_the_fmu_cannot_do_runs_with_a_note(tmp_path):
+    """Hosts that look up all of FMI's functions cannot load it; libcosim, for one, can."""
+    file = stepper.write(tmp_path / "bare.fmu", binary=stepper.bare())
+    flight = run(file, {"stepper.u": 2.0})
+    assert flight["stepper.x"].iloc[-1] == 2.0
+    assert System.load(stepper.write(tmp_path / "whole.fmu")).lenient == ()
+    library = f"binaries/{fmu.platforms()[0]}/stepper{fmu.library_suffix()}"
+    missing = "fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate, fmi2SetRealInputDerivatives"
+    assert f"read leniently: bare.fmu: {library} has no {missing}" in flight.attrs["notes"]
+    with pytest.raises(NavfmuError, match=r"which --strict refuses: bare\.fmu: binaries/.* has no fmi2GetFMUstate, "):
+        System.load(file, strict=True)
+    with pytest.raises(NavfmuError, match=r"component 'stepper': FMPy cannot load its binary: .*undefined symbol"):
+        System.load(file).run(stop=1, step=0.125, engine="reference")
+
+
+@pytest.mark.parametrize(
+    ("ability", "function"),
+    [("canGetAndSetFMUstate", "fmi2GetFMUstate"), ("canInterpolateInputs", "fmi2SetRealInputDerivatives")],
+)
+def test_a_library_without_the_functions_of_what_the_fmu_claims_is_refused(tmp_path, ability, function):
+    file = stepper.write(tmp_path / "bare.fmu", binary=stepper.bare(), **{ability: "true"})
+    with pytest.raises(NavfmuError, match=f"component 'stepper': the binary .* has no function {function}"):
+        run(file)
 
 
 @pytest.mark.parametrize("version", ["1.0", "3.0"])

@@ -1,0 +1,31 @@
+"""Functions of FMI that an FMU's library may lack: FMI wants all of them, a run only those of what the FMU can do."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from navfmu.files.archive import MAX_BYTES, entries, read_entry
+
+#: By what the description of an FMU claims that it can do.
+OPTIONAL = {
+    "can_get_and_set_state": ("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
+    "can_interpolate_inputs": ("fmi2SetRealInputDerivatives",),
+}
+
+
+def lacking(archive: zipfile.ZipFile, path: Path, identifier: str, abilities: dict[str, bool]) -> Iterator[str]:
+    """A sentence for each library of an FMU that lacks functions of what the FMU cannot do.
+
+    No library is loaded for that: the name of each function that one offers stands in it, or in a file beside it.
+    """
+    wanted = [name for ability, names in OPTIONAL.items() if not abilities[ability] for name in names]
+    files = [PurePosixPath(name) for name in entries(archive, path)]
+    for library in files:
+        if wanted and library.parts[0] == "binaries" and len(library.parts) == 3 and library.stem == identifier:
+            beside = (read_entry(archive, str(f), path, MAX_BYTES) for f in files if f.parent == library.parent)
+            contents = b"\0".join(beside)
+            missing = [name for name in wanted if name.encode() + b"\0" not in contents]
+            if missing:
+                yield f"{library} has no {', '.join(missing)}"
