@@ -22,7 +22,7 @@ def private_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(fmu, "_memory", {})
 
 
-def run(file, parameters=None):
+def run(file, **parameters):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return System.load(file).run(stop=1, step=0.125, parameters=parameters)
@@ -114,7 +114,7 @@ def test_a_binary_under_another_name_is_named(tmp_path):
 def test_a_library_without_the_functions_of_what_the_fmu_cannot_do_runs_with_a_note(tmp_path):
     """Hosts that look up all of FMI's functions cannot load it; libcosim, for one, can."""
     file = stepper.write(tmp_path / "bare.fmu", binary=stepper.bare())
-    flight = run(file, {"stepper.u": 2.0})
+    flight = run(file, **{"stepper.u": 2.0})
     assert flight["stepper.x"].iloc[-1] == 2.0
     assert System.load(stepper.write(tmp_path / "whole.fmu")).lenient == ()
     library = f"binaries/{fmu.platforms()[0]}/stepper{fmu.library_suffix()}"
