@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from rich.console import Console
-from rich.markup import escape
 from rich.text import Text
 
-from navfmu.campaign.outcome import Cell, Outcome
-from navfmu.terminal.console import console, one_line
+from navfmu.campaign.outcome import Cell, Judged, Outcome
+from navfmu.terminal.console import console, one_line, say
 from navfmu.terminal.table import Column, Kind, Table
 
 SEEN = 12  # violated cells that are told in words; the report tells all
@@ -16,31 +15,33 @@ SEEN = 12  # violated cells that are told in words; the report tells all
 def show(outcome: Outcome) -> None:
     """The matrix of verdicts, what was seen where something is violated, failed runs, the path of the report."""
     out, campaign = console(), outcome.campaign
-    out.print(f"[bold]{_shown(campaign.name)}[/]: {len(outcome.runs)} runs of {campaign.stop:g} s", soft_wrap=True)
+    say(out, Text.assemble((campaign.name, "bold"), f": {len(outcome.runs)} runs of {campaign.stop:g} s"))
     if outcome.cells:
         _matrix(out, outcome)
         for requirement in campaign.requirements:
-            out.print(f"  {_shown(requirement.id)}: {_shown(requirement.sentence)}", soft_wrap=True)
+            say(out, f"{requirement.id}: {requirement.sentence}", indent=2, hang=2)
         _violated(out, outcome)
     failed = [judged for judged in outcome.runs if judged.error is not None]
     for judged in failed[:SEEN]:
-        where = f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
-        out.print(f"[red]failed[/] {_shown(where)}: {_shown(judged.error)}", soft_wrap=True)
+        _told(out, "failed", f"{_run(judged)}: {judged.error}")
     for judged in [judged for judged in outcome.runs if judged.answer.not_finite][:SEEN]:
-        where = f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
-        out.print(f"[red]not finite[/] {_shown(where)}: {_shown(', '.join(judged.answer.not_finite))}", soft_wrap=True)
+        _told(out, "not finite", f"{_run(judged)}: {', '.join(judged.answer.not_finite)}")
     for note, count in outcome.notes.items():
-        out.print(f"note: {_shown(note)} (in {count} of {len(outcome.runs)} runs)", soft_wrap=True)
+        say(out, f"note: {note} (in {count} of {len(outcome.runs)} runs)", hang=2)
     for sentence in outcome.mended:
-        out.print(f"flown again: {_shown(sentence)}", soft_wrap=True)
+        say(out, f"flown again: {sentence}", hang=2)
     if len(failed) > SEEN:
-        out.print(f"... and {len(failed) - SEEN} more failed runs")
-    out.print(f"report: {outcome.report}", soft_wrap=True)
+        say(out, f"... and {len(failed) - SEEN} more failed runs")
+    out.print(Text(f"report: {outcome.report}"), soft_wrap=True)
 
 
-def _shown(text: str) -> str:
-    """A text of the user or of an FMU, as a text."""
-    return escape(str(one_line(text)))
+def _run(judged: Judged) -> str:
+    return f"{judged.run.variant}, {judged.run.case.name}, seed {judged.run.seed}"
+
+
+def _told(out: Console, what: str, text: str) -> None:
+    """Something that is not as it should be, with a word in red before it."""
+    say(out, Text.assemble((what, "red"), f" {one_line(text)}"), hang=2)
 
 
 def _matrix(out: Console, outcome: Outcome) -> None:
@@ -67,7 +68,6 @@ def _violated(out: Console, outcome: Outcome) -> None:
     """In words, the fewest holding runs first."""
     violated = sorted((c for c in outcome.cells if not c.passed), key=lambda cell: cell.rank)
     for cell in violated[:SEEN]:
-        where = f"{cell.requirement.id}, {cell.variant}, {cell.case}"
-        out.print(f"[red]violated[/] {_shown(where)}: {_shown(cell.sentence)}", soft_wrap=True)
+        _told(out, "violated", f"{cell.requirement.id}, {cell.variant}, {cell.case}: {cell.sentence}")
     if len(violated) > SEEN:
-        out.print(f"... and {len(violated) - SEEN} more in the report")
+        say(out, f"... and {len(violated) - SEEN} more in the report")

@@ -25,6 +25,8 @@ def command(clear: bool) -> None:
 
 
 def _show(holdings: list) -> None:
+    from rich.text import Text
+
     from navfmu.terminal.console import console
     from navfmu.terminal.table import Column, Kind, Table
 
@@ -36,7 +38,7 @@ def _show(holdings: list) -> None:
     out = console()
     out.print(table)
     for entry in damaged[:LISTED]:
-        out.print(f"damaged: {entry}", soft_wrap=True)
+        out.print(Text(f"damaged: {entry}"), soft_wrap=True)
     if len(damaged) > LISTED:
         out.print(f"and {len(damaged) - LISTED} more")
 

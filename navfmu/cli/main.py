@@ -11,6 +11,7 @@ import click
 from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
 from navfmu.terminal import interrupt
+from navfmu.terminal.sentence import tell
 
 COMMANDS = {  # command -> module, and its line in the list of commands
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
@@ -51,7 +52,7 @@ class _Commands(click.Group):
         try:
             return super().main(*args, **kwargs)
         except NavfmuError as error:
-            click.echo(f"navfmu: {error}", err=True)
+            tell(f"navfmu: {error}")
             sys.exit(error.exit_code)
         except BrokenPipeError:  # the reader of our output went away, as "head" does
             sys.stderr.close()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from navfmu.errors import NavfmuError
+from navfmu.terminal import sentence
 
 if TYPE_CHECKING:
     from navfmu.system.system import System
@@ -89,4 +90,4 @@ def assigned(texts: Iterable[str]) -> dict[str, str]:
 
 def tell(notes: Iterable[str]) -> None:
     for note in notes:
-        click.echo(f"note: {note}", err=True)
+        sentence.tell(f"note: {note}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
@@ -20,7 +21,7 @@ def console() -> Console:
 
 
 def say(out: Console, text: str | Text, indent: int = 0, hang: int = 0) -> None:
-    """A sentence, wrapped between words; in a file it stays one line, so that it can be searched for.
+    """A sentence, wrapped between words, none of which is broken; in a file it stays one line, to be searched for.
 
     All lines are moved in by ``indent``, those after the first by ``hang`` more. Paths
     are printed with ``soft_wrap`` instead: what is to be copied has no breaks.
@@ -30,15 +31,21 @@ def say(out: Console, text: str | Text, indent: int = 0, hang: int = 0) -> None:
     if not (out.is_terminal or _columns()):
         out.print(Text(" " * indent) + content, soft_wrap=True)
         return
-    room = max(out.width - indent, 1)
-    first, *rest = content.wrap(out, room) if content else [content]
-    if rest and hang:
-        tail = content[len(first) :]
-        tail = tail[len(tail) - len(tail.plain.lstrip()) :]
-        rest = tail.wrap(out, max(room - hang, 1))
-    for number, line in enumerate([first, *rest]):
+    for number, line in enumerate(content.divide(_breaks(content.plain, out.width - indent, hang))):
         line.rstrip()
-        out.print(Text(" " * (indent + (hang if number else 0))) + line, no_wrap=True)
+        out.print(Text(" " * (indent + (hang if number else 0))) + line, soft_wrap=True)
+
+
+def _breaks(text: str, width: int, hang: int) -> list[int]:
+    """Where new lines begin; all but the first are shorter by ``hang``. A word that is too long stays whole."""
+    found, column = [], 0
+    for word in re.finditer(r"\s*(\S+)", text):
+        if column and column + cell_len(word[0]) > width:
+            found.append(word.start(1))
+            column = hang + cell_len(word[1])
+        else:
+            column += cell_len(word[0])
+    return found
 
 
 def one_line(text: str | Text) -> str | Text:

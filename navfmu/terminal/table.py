@@ -114,7 +114,8 @@ class Table:
     def _least(self, i: int) -> int:
         natural, kind = self._natural(i), self.columns[i].kind
         if kind is Kind.SENTENCE:
-            return min(natural, SENTENCE)
+            words = [cell_len(word) for row in self.rows for word in str(row[i]).split()]
+            return min(natural, max([SENTENCE, *words]))
         if kind is Kind.NAME:
             parts = [len(part) + 1 for row in self.rows for part in _parts(str(row[i]))]
             return min(natural, max([*parts, len(self.columns[i].heading)]))
