@@ -16,7 +16,7 @@ from navfmu.files.writing import write_file
 from navfmu.report.page import Page
 from navfmu.system.result import check_folder
 
-SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "public_fmus", "speed")
+SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "expressions", "public_fmus", "speed")
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -25,7 +25,7 @@ SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "public_fmus", 
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, step_sizes, closure, real_flights, public_fmus and speed.
+    There are headline, step_sizes, closure, real_flights, expressions, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

@@ -43,8 +43,8 @@ def traced(function: Callable, arguments: Sequence[Any]) -> Compiled:
     with trace.tracing():
         symbols, first = [], 0
         for argument in map(np.asarray, arguments):
-            boolean = tuple(range(argument.size)) if argument.dtype == bool else ()
-            symbols.append(trace.symbols("v", argument.size, boolean, first).reshape(argument.shape))
+            kinds = argument.dtype.kind * argument.size
+            symbols.append(trace.symbols("v", kinds, first).reshape(argument.shape))
             first += argument.size
         result = function(*symbols)
         return Compiled(trace.expressions(result), np.shape(result))

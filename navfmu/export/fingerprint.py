@@ -61,6 +61,11 @@ def _add(digest: hashlib._Hash, file: Path) -> None:
 
 def source_files(module: str) -> list[Path]:
     """Return the files of a module and of all it imports, without the standard library and installed packages."""
+    return list(sources(module).values())
+
+
+def sources(module: str) -> dict[str, Path]:
+    """Return these files by the names of their modules."""
     found: dict[str, Path] = {}
     waiting = [module]
     while waiting:
@@ -72,7 +77,7 @@ def source_files(module: str) -> list[Path]:
         waiting += _imports(name, file)
         if "." in name:
             waiting.append(name.rpartition(".")[0])
-    return list(found.values())
+    return found
 
 
 @cache

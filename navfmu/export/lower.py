@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export import ir, trace
+from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node
@@ -21,18 +21,19 @@ from navfmu.export.place import is_foreign
 from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
 
+_KINDS = {"Real": "f", "Integer": "i", "Boolean": "b"}
+
 
 class TraceFrame(Frame):
     """Symbols for everything a task can read."""
 
     def __init__(self, layout: Layout) -> None:
-        booleans = tuple(v.index for v in layout.variables if v.type == "Boolean")
-        self.symbols = trace.symbols("v", len(layout.variables), booleans)
-        clock = trace.symbols("clock", 2)
+        self.symbols = trace.symbols("v", "".join(_KINDS[v.type] for v in layout.variables))
+        clock = trace.symbols("clock", "ff")
         super().__init__(layout, clock[0], clock[1])
         self.tables, first = {}, 0
         for table in layout.tables:
-            both = trace.symbols("rows", 2 * len(table.columns), first=first)
+            both = trace.symbols("rows", "f" * 2 * len(table.columns), first)
             both.setflags(write=False)
             self.tables[table.name] = (both[: len(table.columns)], both[len(table.columns) :])
             first += both.size
@@ -47,7 +48,10 @@ class TraceFrame(Frame):
         array = np.array(value)
         if not isinstance(array, trace.Traced):
             array = array.astype(object).view(trace.Traced)
-        array = array.astype(bool if field.kind == "boolean" else float)
+        if field.kind == "integer":  # that there is no fraction is checked when the task runs
+            array = trace.whole_numbers(array)
+        else:
+            array = array.astype(bool if field.kind == "boolean" else float)
         array.setflags(write=False)
         return array
 
@@ -56,7 +60,7 @@ class TraceFrame(Frame):
 
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
-        normals = trace.symbols("noise", int(count), first=self.normals)
+        normals = trace.symbols("noise", "f" * int(count), self.normals)
         self.normals += normals.size
         return normals
 
@@ -83,10 +87,13 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
         lines = traceback.extract_tb(sys.exc_info()[2])
         line = next((f for f in reversed(lines) if not is_foreign(f.filename)), None)
         where = f"{line.filename}, line {line.lineno}" if line else place
-        raise NavfmuError(
-            f"{where}: component {layout.component.__name__}, {what}: {type(error).__name__}: {error}; "
-            "the code must be plain NumPy on arrays of fixed shape, without indexing by values"
-        ) from error
+        if isinstance(error, TypeError) and "has no callable" in str(error):
+            told = "a NumPy function is given a list of traced values, or an array that was made of one behind its back"
+            remedy = "write np.array([...]) for the list, with np.array or array of the module that defines the model"
+        else:
+            told = f"{type(error).__name__}: {error}"
+            remedy = "the code must be plain NumPy on arrays of fixed shape, without indexing by values"
+        raise NavfmuError(f"{where}: component {layout.component.__name__}, {what}: {told}; {remedy}") from error
 
 
 def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
@@ -160,7 +167,8 @@ def _documentation(layout: Layout) -> dict[str, Any]:
 def lower(component: type[Component]) -> ir.Model:
     """Trace a component class into the model that the code generator reads."""
     layout = component.layout
-    with trace.tracing():
+    modules = [component.__module__, *fingerprint.sources(component.__module__)]
+    with trace.tracing(sys.modules[name] for name in dict.fromkeys(modules) if name in sys.modules):
         tasks = tuple(_task(layout, task) for task in layout.tasks)
         checks = tuple(_checks(layout))
     tables = tuple(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from itertools import cycle
 from typing import Any
 
 from navfmu.export import ir
@@ -21,7 +22,7 @@ def picture(model: ir.Model, response: Response) -> bytes:
     FigureCanvasAgg(figure)
     for place, (title, curves) in enumerate(panels.items()):
         axes = figure.add_subplot(rows, 2 if len(panels) > 1 else 1, place + 1)
-        colours = iter(f"C{i}" for i in range(10))
+        colours = cycle(f"C{i}" for i in range(10))
         for label, curve in curves.items():
             dashed = label.startswith("~")
             style = {"color": "0.25", "linestyle": "--"} if dashed else {"color": next(colours)}

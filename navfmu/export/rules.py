@@ -27,20 +27,22 @@ def refuse(what: str, remedy: str) -> NoReturn:
 
 
 class Scalar:
-    """One traced number, and whether it is a truth value."""
+    """One traced number, and its kind as NumPy's types have it: ``"b"`` truth value, ``"i"`` whole or ``"f"`` real."""
 
-    __slots__ = ("boolean", "node")
+    __slots__ = ("kind", "node")
     __array_priority__ = 1000.0
     shape, ndim, size = (), 0, 1
 
-    def __init__(self, node: Node, boolean: bool = False) -> None:
+    def __init__(self, node: Node, kind: str = "f") -> None:
         self.node = node
-        self.boolean = boolean
+        self.kind = kind
 
     def __bool__(self) -> bool:
         refuse(
-            "the truth of a traced value is not known while tracing (if, while, and, or, not, min, max)",
-            "choose with np.where, np.logical_and, np.logical_or, np.logical_not, np.minimum or np.maximum",
+            "the truth of a traced value is not known while tracing (if, while, and, or, not, min, max; or a list of "
+            "values where NumPy expects an array)",
+            "choose with np.where, np.logical_and, np.logical_or, np.logical_not, np.minimum or np.maximum, and write "
+            "np.array([...]) for a list",
         )
 
     def __float__(self) -> float:
@@ -61,9 +63,6 @@ class Scalar:
 
     def __complex__(self) -> complex:
         refuse("complex numbers are not traced", "write real and imaginary part as two real numbers")
-
-    def __round__(self, digits: int = 0) -> Any:
-        return RULES[np.rint](self) if not digits else self.__int__()
 
     def __repr__(self) -> str:
         return f"Scalar({self.node.op})"
@@ -90,8 +89,8 @@ def expression(x: Any) -> Node:
     return x.node if type(x) is Scalar else constant(x)
 
 
-def _operation(op: str, *elements: Any, boolean: bool = False) -> Scalar:
-    return Scalar(Node(op, *(expression(e) for e in elements)), boolean)
+def _operation(op: str, *elements: Any, kind: str = "f") -> Scalar:
+    return Scalar(Node(op, *(expression(e) for e in elements)), kind)
 
 
 def _constant(x: Any, value: float) -> bool:
@@ -101,11 +100,21 @@ def _constant(x: Any, value: float) -> bool:
 
 def is_boolean(x: Any) -> bool:
     """Whether an element is a truth value."""
-    return x.boolean if type(x) is Scalar else isinstance(x, bool)
+    return x.kind == "b" if type(x) is Scalar else isinstance(x, bool)
+
+
+def is_whole(x: Any) -> bool:
+    """Whether an element is a whole number or a truth value."""
+    return x.kind != "f" if type(x) is Scalar else isinstance(x, int)
 
 
 def _traced(*elements: Any) -> bool:
     return any(type(e) is Scalar for e in elements)
+
+
+def _kind(*elements: Any) -> str:
+    """Return the kind of what is calculated from elements that are not all truth values."""
+    return "i" if all(is_whole(e) for e in elements) else "f"
 
 
 def add(a: Any, b: Any) -> Any:
@@ -114,15 +123,17 @@ def add(a: Any, b: Any) -> Any:
         return a + b
     if _constant(a, -0.0):  # x + 0.0 is not x when x is -0.0
         return number(b)
-    return number(a) if _constant(b, -0.0) else _operation("add", a, b)
+    return number(a) if _constant(b, -0.0) else _operation("add", a, b, kind=_kind(a, b))
 
 
 def _subtract(a: Any, b: Any) -> Any:
     if not _traced(a, b):
         return a - b
     if _constant(a, -0.0):
-        return _negative(b)
-    return number(a) if _constant(b, 0.0) else _operation("subtract", a, b)
+        return _negative(number(b))
+    if _constant(b, 0.0):
+        return whole(a) if _kind(a, b) == "i" else number(a)
+    return _operation("subtract", a, b, kind=_kind(a, b))
 
 
 def _multiply(a: Any, b: Any) -> Any:
@@ -132,9 +143,17 @@ def _multiply(a: Any, b: Any) -> Any:
         a, b = b, a
     if is_boolean(a) and is_boolean(b):
         return _and(a, b)
+    if _kind(a, b) == "i":
+        positive = type(b) is not Scalar and b > 0
+        return whole(a) if _constant(b, 1) else _unsigned(_operation("multiply", a, b, kind="i"), positive)
     if _constant(b, 1):
         return number(a)
-    return _negative(a) if _constant(b, -1) else _operation("multiply", a, b)
+    return _negative(number(a)) if _constant(b, -1) else _operation("multiply", a, b)
+
+
+def _unsigned(a: Any, known: bool = False) -> Any:
+    """Return a whole number without -0.0, which whole numbers do not have; ``known`` not to be it already."""
+    return a if known or type(a) is not Scalar else _operation("add", a, 0.0, kind="i")
 
 
 def _divide(a: Any, b: Any) -> Any:
@@ -144,16 +163,22 @@ def _divide(a: Any, b: Any) -> Any:
 
 
 def _negative(a: Any) -> Any:
-    return _operation("negative", a) if type(a) is Scalar else -a
+    if type(a) is not Scalar:
+        return -a
+    return _operation("subtract", 0.0, a, kind="i") if is_whole(a) else _operation("negative", a)
 
 
 def _power(a: Any, b: Any) -> Any:
+    both = is_whole(a) and is_whole(b)
+    if both and (type(b) is Scalar or b < 0):
+        refuse("NumPy has no negative powers of whole numbers", "convert them, x.astype(float)")
+    convert = whole if both else number
     if type(b) is not Scalar:
-        known = {0: lambda: 1.0, 1: lambda: number(a), 2: lambda: _multiply(number(a), number(a))}
+        known = {0: lambda: 1 if both else 1.0, 1: lambda: convert(a), 2: lambda: _multiply(convert(a), convert(a))}
         known |= {0.5: lambda: RULES[np.sqrt](a), -1: lambda: _divide(1.0, a)}
         if b in known:
             return known[b]()
-    return _operation("pow", a, b)
+    return _operation("pow", a, b, kind="i" if both else "f")
 
 
 def scalar_power(a: Any, b: Any) -> Any:
@@ -164,7 +189,19 @@ def scalar_power(a: Any, b: Any) -> Any:
 
 
 def _fmod(a: Any, b: Any) -> Any:
-    return _operation("fmod", a, b) if _traced(a, b) else fold(np.fmod, a, b)
+    if not _traced(a, b):
+        return fold(np.fmod, a, b)
+    return _whole_division(_operation("fmod", a, b), a, b)
+
+
+def _whole_division(result: Any, a: Any, b: Any) -> Any:
+    """Return the result of a division or its remainder; of whole numbers it is 0 where they are divided by 0."""
+    if is_boolean(a) and is_boolean(b):
+        refuse("NumPy divides truth values as numbers of 8 bits", "convert them, x.astype(float)")
+    if _kind(a, b) == "f":
+        return result
+    result = _unsigned(Scalar(expression(result), "i"))
+    return where(_equal(b, 0), 0, result) if type(b) is Scalar or b == 0 else result
 
 
 def _copysign(a: Any, b: Any) -> Any:
@@ -182,26 +219,28 @@ def _mod(a: Any, b: Any) -> Any:
     """Remainder with the sign of the divisor, as ``np.mod`` and Python's ``%``."""
     m, some, other_sign = _remainder(a, b)
     result = where(some, where(other_sign, add(m, b), m), _copysign(0.0, b))
-    return where(_equal(b, 0.0), m, result)
+    return _whole_division(where(_equal(b, 0.0), m, result), a, b)
 
 
 def _floor_divide(a: Any, b: Any) -> Any:
     m, _, other_sign = _remainder(a, b)
-    quotient = _divide(_subtract(a, m), b)
-    quotient = where(other_sign, _subtract(quotient, 1.0), quotient)
-    low = _operation("floor", quotient)
-    near = where(_less(0.5, _subtract(quotient, low)), add(low, 1.0), low)
-    whole = _divide(a, b)
-    near = where(_not_equal(quotient, 0.0), near, _copysign(0.0, whole))
-    return where(_equal(b, 0.0), whole, near)
+    exact = _divide(_subtract(a, m), b)
+    exact = where(other_sign, _subtract(exact, 1.0), exact)
+    low = _operation("floor", exact)
+    near = where(_less(0.5, _subtract(exact, low)), add(low, 1.0), low)
+    quotient = _divide(a, b)
+    near = where(_not_equal(exact, 0.0), near, _copysign(0.0, quotient))
+    return _whole_division(where(_equal(b, 0.0), quotient, near), a, b)
 
 
 def _sign(a: Any) -> Any:
+    if is_whole(a):
+        return where(_less(0.0, a), 1, where(_less(a, 0.0), -1, 0))
     return where(_less(0.0, a), 1.0, where(_less(a, 0.0), -1.0, where(_equal(a, 0.0), 0.0, a)))
 
 
 def _comparison(op: str, ufunc: np.ufunc) -> Callable:
-    return lambda a, b: _operation(op, a, b, boolean=True) if _traced(a, b) else fold(ufunc, a, b)
+    return lambda a, b: _operation(op, a, b, kind="b") if _traced(a, b) else fold(ufunc, a, b)
 
 
 _less = _comparison("less", np.less)
@@ -215,7 +254,7 @@ def _and(a: Any, b: Any) -> Any:
         a, b = b, a
     if type(b) is not Scalar:
         return truth(a) if b else False
-    return _operation("and", a, b, boolean=True)
+    return _operation("and", a, b, kind="b")
 
 
 def _or(a: Any, b: Any) -> Any:
@@ -223,18 +262,18 @@ def _or(a: Any, b: Any) -> Any:
         a, b = b, a
     if type(b) is not Scalar:
         return True if b else truth(a)
-    return _operation("or", a, b, boolean=True)
+    return _operation("or", a, b, kind="b")
 
 
 def _not(a: Any) -> Any:
-    return _operation("not", a, boolean=True) if type(a) is Scalar else not a
+    return _operation("not", a, kind="b") if type(a) is Scalar else not a
 
 
 def truth(a: Any) -> Any:
     """Whether an element is not zero."""
     if type(a) is not Scalar:
         return bool(a)
-    return a if a.boolean else _not_equal(a, 0.0)
+    return a if a.kind == "b" else _not_equal(a, 0.0)
 
 
 def _xor(a: Any, b: Any) -> Any:
@@ -250,7 +289,7 @@ def where(c: Any, a: Any, b: Any) -> Any:
     both = is_boolean(a) and is_boolean(b)
     if both and a is True and b is False:
         return truth(c)
-    return _operation("where", c, a, b, boolean=both)
+    return _operation("where", c, a, b, kind="b" if both else _kind(a, b))
 
 
 def is_nan(a: Any) -> Any:
@@ -294,9 +333,34 @@ def _plain(op: str) -> Callable:
     return rule
 
 
-def _same_if_truth(rule: Callable) -> Callable:
-    """Return the rule for a function that gives back a truth value as it is."""
-    return lambda a: a if is_boolean(a) else rule(a)
+def _same_if_whole(op: str) -> Callable:
+    """Return the rule for a function of C that gives back a whole number, or a truth value, as it is."""
+    return lambda a: a if is_whole(a) else _operation(op, a)
+
+
+def _absolute(a: Any) -> Any:
+    return a if is_boolean(a) else _operation("fabs", a, kind=_kind(a))
+
+
+def _larger_or_smaller(op: str) -> Callable:
+    return lambda a, b: _operation(op, a, b, kind=_kind(a, b))
+
+
+def _reciprocal(a: Any) -> Any:
+    if is_whole(a):
+        refuse("NumPy's reciprocal of a whole number is a whole number", "write 1.0 / x")
+    return _divide(1.0, a)
+
+
+def _number_only(rule: Callable, name: str) -> Callable:
+    """Return a rule that truth values have not."""
+
+    def checked(a: Any) -> Any:
+        if is_boolean(a):
+            refuse(f"NumPy has no {name} of truth values", "convert them, x.astype(float)")
+        return rule(a)
+
+    return checked
 
 
 def _swapped(rule: Callable) -> Callable:
@@ -309,23 +373,25 @@ RULES: dict[np.ufunc, Callable] = {
     np.multiply: _multiply,
     np.true_divide: _divide,
     np.negative: _negative,
-    np.positive: lambda a: a,
+    np.positive: _number_only(lambda a: a, "+"),
     np.power: _power,
-    np.float_power: _power,
-    np.square: lambda a: _multiply(number(a), number(a)),
-    np.reciprocal: lambda a: _divide(1.0, a),
+    np.float_power: lambda a, b: _operation("pow", a, b),
+    np.square: lambda a: _power(a, 2),
+    np.reciprocal: _reciprocal,
     np.fmod: _fmod,
     np.remainder: _mod,
     np.floor_divide: _floor_divide,
-    np.absolute: _same_if_truth(_plain("fabs")),
-    np.sign: _sign,
-    np.floor: _same_if_truth(_plain("floor")),
-    np.ceil: _same_if_truth(_plain("ceil")),
-    np.trunc: _same_if_truth(_plain("trunc")),
+    np.absolute: _absolute,
+    np.sign: _number_only(_sign, "sign"),
+    np.floor: _same_if_whole("floor"),
+    np.ceil: _same_if_whole("ceil"),
+    np.trunc: _same_if_whole("trunc"),
     np.deg2rad: lambda a: _multiply(a, np.pi / 180.0),
     np.radians: lambda a: _multiply(a, np.pi / 180.0),
     np.rad2deg: lambda a: _multiply(a, 180.0 / np.pi),
     np.degrees: lambda a: _multiply(a, 180.0 / np.pi),
+    np.fmax: _larger_or_smaller("fmax"),
+    np.fmin: _larger_or_smaller("fmin"),
     np.maximum: _maximum,
     np.minimum: _minimum,
     np._core.umath.clip: _clip,
@@ -373,8 +439,6 @@ for _ufunc_, _op in {
     np.arccosh: "acosh",
     np.arctanh: "atanh",
     np.hypot: "hypot",
-    np.fmax: "fmax",
-    np.fmin: "fmin",
 }.items():
     RULES[_ufunc_] = _plain(_op)
 
@@ -402,7 +466,7 @@ for _name, _ufunc_ in {
 }.items():
     setattr(Scalar, f"__{_name}__", _binary(RULES[_ufunc_]))
 Scalar.__neg__ = _negative
-Scalar.__pos__ = lambda self: self
+Scalar.__pos__ = RULES[np.positive]
 Scalar.__abs__ = RULES[np.absolute]
 Scalar.__invert__ = RULES[np.invert]
 
@@ -414,5 +478,16 @@ def fold(ufunc: np.ufunc, *constants: Any) -> Any:
 
 
 def number(e: Any) -> Any:
-    """Return an element as a number: a truth value is 0 or 1."""
-    return e if not is_boolean(e) else Scalar(e.node) if type(e) is Scalar else float(e)
+    """Return an element as a real number: a truth value is 0.0 or 1.0."""
+    if type(e) is not Scalar:
+        return float(e)
+    return e if e.kind == "f" else Scalar(e.node)
+
+
+def whole(e: Any) -> Any:
+    """Return an element, which has no fraction, as a whole number: a truth value is 0 or 1."""
+    if type(e) is not Scalar:
+        return int(e)
+    if e.kind == "f":
+        return _unsigned(Scalar(e.node, "i"))
+    return e if e.kind == "i" else Scalar(e.node, "i")

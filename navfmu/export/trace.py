@@ -11,9 +11,12 @@ raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from threading import RLock
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -27,11 +30,13 @@ from navfmu.export.rules import (
     expression,
     fold,
     is_boolean,
+    is_whole,
     number,
     refuse,
     scalar_power,
     truth,
     where,
+    whole,
 )
 
 
@@ -57,13 +62,25 @@ def _object(x: Any) -> np.ndarray:
 
 
 def _uniform(elements: list) -> list:
-    """Return truth values only, or numbers only: an array has one type."""
-    truths = [is_boolean(e) for e in elements]
-    return [number(e) for e in elements] if any(truths) and not all(truths) else elements
+    """Return truth values only, whole numbers only or real numbers only: an array has one type."""
+    return elements if all(is_boolean(e) for e in elements) else _numbers(elements)
+
+
+def _numbers(elements: list) -> list:
+    """Return whole numbers only, or real numbers only."""
+    return [whole(e) for e in elements] if all(is_whole(e) for e in elements) else [number(e) for e in elements]
+
+
+def _dtype(array: Any) -> type:
+    """Return the type that an array has in NumPy: bool, int or float."""
+    elements = _object(array).ravel().tolist()
+    if not elements or not all(is_whole(e) for e in elements):
+        return float
+    return bool if all(is_boolean(e) for e in elements) else int
 
 
 def _all_boolean(array: np.ndarray) -> bool:
-    return array.size > 0 and all(is_boolean(e) for e in array.ravel().tolist())
+    return _dtype(array) is bool
 
 
 def _build(shape: tuple[int, ...], elements: list) -> Traced:
@@ -143,23 +160,27 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     axis = kwargs.get("axis", 0)
     axes = tuple(range(array.ndim)) if axis is None else tuple(np.atleast_1d(axis) % max(array.ndim, 1))
     kept = [i for i in range(array.ndim) if i not in axes]
-    rows = array.transpose(kept + list(axes)).reshape([array.shape[i] for i in kept] + [-1])
+    shape = [array.shape[i] for i in kept]
+    rows = array.transpose(kept + list(axes)).reshape(math.prod(shape), math.prod(array.shape[i] for i in axes))
     fast = not kept or (array.ndim - 1) in axes  # NumPy adds pairwise along the fast axis only
+    initial = kwargs.get("initial", np._NoValue)
+    given = initial is not np._NoValue and initial is not None
     results = []
-    for row in rows.reshape(-1, rows.shape[-1]).tolist():
+    for row in rows.tolist():
         if ufunc in (np.add, np.multiply):
-            row = [number(e) for e in row]
+            row = _numbers(row)
         elif ufunc in (np.logical_and, np.logical_or):
             row = [truth(e) for e in row]
-        if not row:
-            results.append(_EMPTY[ufunc])
-        else:
-            results.append(_pairwise(row) if ufunc is np.add and fast else _fold_list(ufunc, row))
-    shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
-    shape = shape if kwargs.get("keepdims") else [array.shape[i] for i in kept]
-    result = _build(tuple(shape), results)
-    initial = kwargs.get("initial", np._NoValue)
-    return result if initial is np._NoValue or initial is None else ufunc(result, initial)
+        first = np.array(initial).astype(_dtype(row)).item() if given else _EMPTY.get(ufunc)
+        if first is None and not row:
+            refuse(f"np.{ufunc.__name__} of an array without elements has no result", "give it elements")
+        if ufunc is np.add and fast and row:
+            row = [_pairwise(row)]
+        begins = given or not row or (ufunc is np.add and not is_whole(row[0]))  # so a sum of -0.0 alone is 0.0
+        results.append(_fold_list(ufunc, [first, *row] if begins else row))
+    if kwargs.get("keepdims"):
+        shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
+    return _build(tuple(shape), results)
 
 
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
@@ -167,7 +188,7 @@ def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
     rows = []
     for row in moved.reshape(-1, moved.shape[-1]).tolist():
-        row = [number(e) for e in row]
+        row = _numbers(row)
         sums = row[:1]
         for element in row[1:]:
             sums.append(_apply(ufunc, (sums[-1], element)))
@@ -179,7 +200,9 @@ def _product(function: Callable, a: Any, b: Any) -> Any:
     a, b = _object(a), _object(b)
     if _all_boolean(a) and _all_boolean(b):
         refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
-    return _wrap(function(a, b))
+    products = _object(function(a, b))
+    sums = _numbers(products.ravel().tolist())
+    return _build(products.shape, [e if is_whole(e) else add(0.0, e) for e in sums])  # sums begin at 0.0
 
 
 def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
@@ -188,6 +211,11 @@ def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
         refuse(f"np.{ufunc.__name__}(..., where=...) is not traced", "use np.where")
     if ufunc is not np.matmul and ufunc not in RULES:
         refuse(f"np.{ufunc.__name__} cannot be traced", "write it with the functions that can (see the tutorial)")
+    dtype = kwargs.pop("dtype", None)
+    if dtype is not None and method not in ("reduce", "accumulate"):
+        refuse(f"np.{ufunc.__name__}(..., dtype=...) is not traced", "convert with x.astype(...)")
+    if dtype is not None:
+        inputs = (np.array(inputs[0]).astype(dtype), *inputs[1:])
     if method == "__call__" and ufunc is np.matmul:
         result = _product(np.matmul, *inputs)
     elif method == "__call__":
@@ -208,6 +236,8 @@ def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
             "a traced value is stored in a float array",
             "write x = x + y instead of x += y, and build arrays with np.array([...]), np.stack or np.concatenate",
         )
+    if [float, int, bool].index(_dtype(out[0])) > [float, int, bool].index(_dtype(result)):
+        refuse("numbers are stored in an array of another type", "write x = x + y instead of x += y")
     out[0][...] = result
     return out[0]
 
@@ -221,8 +251,8 @@ def _np_where(condition: Any, *branches: Any) -> Any:
     arrays = [_object(x) for x in (condition, *branches)]
     shape = np.broadcast_shapes(*[a.shape for a in arrays])
     columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
-    if not (_all_boolean(arrays[1]) and _all_boolean(arrays[2])):
-        columns[1:] = [[number(e) for e in column] for column in columns[1:]]
+    both = _uniform([*columns[1], *columns[2]])
+    columns[1:] = [both[: len(columns[1])], both[len(columns[1]) :]]
     return _build(shape, [where(*elements) for elements in zip(*columns, strict=True)])
 
 
@@ -250,10 +280,14 @@ def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) 
     return np.sqrt(np.sum(x * x, axis=axis, keepdims=keepdims))
 
 
-def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None) -> Any:
+def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None, period: Any = None) -> Any:
     if contains_traced(xp):
         refuse("np.interp needs constant abscissae", "look the row up with a Table")
+    if period is not None:
+        refuse("np.interp(..., period=...) is not traced", "take np.mod(x, period) first")
     xp, known = np.asarray(xp, float), not contains_traced(fp)
+    if xp.ndim != 1 or not np.all(np.diff(xp) > 0):
+        refuse("np.interp needs abscissae that increase", "sort them")
     result = fp[0] if left is None else left
     for i in range(len(xp) - 1):
         slope = (fp[i + 1] - fp[i]) / (xp[i + 1] - xp[i])
@@ -267,11 +301,21 @@ def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None) ->
         result = np.where(x >= xp[i], value, result)
     result = np.where(x >= xp[-1], fp[-1], result)
     result = result if right is None else np.where(x > xp[-1], right, result)
-    return result if len(xp) == 1 else np.where(np.isnan(x), x, result)
+    result = result if len(xp) == 1 else np.where(np.isnan(x), x, result)
+    return np.array(result, float)
 
 
-def _np_full_like(a: Any, fill_value: Any, **_: Any) -> Any:
-    return np.broadcast_to(fill_value, np.shape(a)).copy()
+def _np_full_like(a: Any, fill_value: Any, dtype: Any = None, **_: Any) -> Any:
+    return np.full(np.shape(a), fill_value, dtype or _dtype(a))
+
+
+def _np_mean(a: Any, axis: Any = None, keepdims: bool = False) -> Any:
+    total = np.sum(a, axis=axis, keepdims=keepdims)
+    return total / (np.size(a) // max(np.size(total), 1))
+
+
+def _np_insert(arr: Any, obj: Any, values: Any, axis: Any = None) -> Any:
+    return _wrap(np.insert._implementation(arr, obj, np.array(values).astype(_dtype(arr)), axis))
 
 
 def _np_roll(a: Any, *args: Any, **kwargs: Any) -> Any:
@@ -280,14 +324,16 @@ def _np_roll(a: Any, *args: Any, **kwargs: Any) -> Any:
 
 
 FUNCTIONS: dict[Callable, Callable] = {
+    np.mean: _np_mean,
+    np.insert: _np_insert,
     np.roll: _np_roll,
     np.where: _np_where,
     np.select: _np_select,
     np.clip: _np_clip,
     np.linalg.norm: _np_norm,
     np.interp: _np_interp,
-    np.zeros_like: lambda a, **_: np.zeros(np.shape(a)),
-    np.ones_like: lambda a, **_: np.ones(np.shape(a)),
+    np.zeros_like: lambda a, dtype=None, **_: _np_full_like(a, 0, dtype),
+    np.ones_like: lambda a, dtype=None, **_: _np_full_like(a, 1, dtype),
     np.full_like: _np_full_like,
     np.count_nonzero: lambda a, axis=None: np.sum(a != 0, axis=axis),
     np.shape: lambda a: _object(a).shape,
@@ -295,17 +341,18 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.size: lambda a, axis=None: _object(a).size if axis is None else _object(a).shape[axis],
     np.dot: lambda a, b, out=None: _product(np.dot, a, b),
     np.inner: lambda a, b: _product(np.inner, a, b),
+    np.tensordot: lambda a, b, axes=2: _product(partial(np.tensordot, axes=axes), a, b),
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
 }
 
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
 _STRUCTURAL = """
-concatenate stack vstack hstack dstack column_stack block cross outer einsum tensordot kron diag diagonal
+concatenate stack vstack hstack dstack column_stack block cross outer einsum kron diag diagonal
 diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
-hsplit vsplit insert delete diff sum prod cumsum cumprod mean max min amax amin any all round around polyval
+hsplit vsplit delete diff sum prod cumsum cumprod max min amax amin any all round around polyval
 linalg.multi_dot linalg.matrix_power linalg.cross linalg.outer linalg.trace linalg.diagonal linalg.matrix_transpose
-linalg.vecdot linalg.matmul linalg.tensordot
+linalg.matmul linalg.tensordot matrix_transpose
 """.split()
 STRUCTURAL: set[Callable] = set()
 for _name in _STRUCTURAL:
@@ -367,12 +414,8 @@ class Traced(np.ndarray):
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         value = _object(value)
-        convert = truth if _all_boolean(self) else number
-        if value.ndim == 0:
-            super().__setitem__(key, convert(value.item()))
-        else:
-            elements = [convert(e) for e in value.ravel().tolist()]
-            super().__setitem__(key, _build(value.shape, elements).view(np.ndarray))
+        value = value.view(Traced).astype(_dtype(self)).view(np.ndarray)
+        super().__setitem__(key, value.item() if value.ndim == 0 else value)
 
     def __iter__(self) -> Iterator[Traced]:
         return (self[i] for i in range(len(self)))
@@ -397,8 +440,8 @@ class Traced(np.ndarray):
     def __complex__(self) -> complex:
         return complex(self._only())
 
-    def __round__(self, digits: int = 0) -> Traced:
-        return np.rint(self)
+    def __round__(self, digits: int | None = None) -> Traced:
+        return self.round(digits or 0).astype(int if digits is None else float)
 
     def __hash__(self) -> int:
         refuse("a traced value cannot be a key of a dict or set", "select with np.where")
@@ -409,18 +452,26 @@ class Traced(np.ndarray):
         elements = self.ravel().tolist()
         if kind == "b":
             return _build(self.shape, [truth(e) for e in elements])
-        if kind == "f" or all(is_boolean(e) for e in elements):
+        if np.dtype(dtype) not in (np.float64, np.int64):
+            refuse(f"numbers of type {np.dtype(dtype)} are not traced", "use float, int or bool")
+        if kind == "f":
             return _build(self.shape, [number(e) for e in elements])
-        return np.trunc(self)
+        if all(is_whole(e) for e in elements):
+            return _build(self.shape, [whole(e) for e in elements])
+        return np.where(np.abs(self) < 2.0**63, whole_numbers(np.trunc(self)), -(2**63))  # as x86 does, for NaN too
 
     def __pow__(self, exponent: Any) -> Traced:
         if self.ndim or np.ndim(exponent) or isinstance(exponent, Traced):
             return np.power(self, exponent)
-        return _wrap(scalar_power(self._only(), _unwrap(exponent)))
+        return _build((), [scalar_power(self._only(), _unwrap(exponent))])
 
     def dot(self, other: Any) -> Traced:
         """Matrix product."""
         return np.dot(self, other)
+
+    def mean(self, axis: Any = None, keepdims: bool = False) -> Traced:
+        """Sum divided by the number of elements."""
+        return np.mean(self, axis=axis, keepdims=keepdims)
 
     def round(self, decimals: int = 0, out: None = None) -> Traced:
         """Nearest whole numbers, halves to even."""
@@ -441,9 +492,16 @@ Scalar.__array_function__ = Traced.__array_function__
 _ARRAY = np.array
 
 
-def symbols(vector: str, count: int, boolean: tuple[int, ...] = (), first: int = 0) -> Traced:
-    """Return ``count`` elements of a vector, from ``first`` on, as a traced array (truth values where told)."""
-    return _fill((count,), [Scalar(graph.element(vector, first + i), i in boolean) for i in range(count)])
+def symbols(vector: str, kinds: str, first: int = 0) -> Traced:
+    """Return elements of a vector, from ``first`` on, as a traced array; ``kinds`` has a letter for each: real "f",
+    whole "i" or truth value "b".
+    """
+    return _fill((len(kinds),), [Scalar(graph.element(vector, first + i), kind) for i, kind in enumerate(kinds)])
+
+
+def whole_numbers(array: Any) -> Traced:
+    """Return numbers that have no fractions as NumPy's integers."""
+    return _build(np.shape(array), [e if type(e) is float else whole(e) for e in _object(array).ravel().tolist()])
 
 
 def expressions(array: Any) -> list[Node]:
@@ -455,15 +513,22 @@ _GLOBAL = RLock()  # one thread at a time changes what belongs to the whole proc
 
 
 @contextmanager
-def tracing() -> Iterator[None]:
-    """While tracing, ``np.array`` and its kin return traced arrays."""
-    with _GLOBAL, _traced_arrays():
+def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
+    """While tracing, ``np.array`` and its kin return traced arrays, in ``modules`` also by names of their own."""
+    with _GLOBAL, _traced_arrays(modules):
         yield
 
 
 @contextmanager
-def _traced_arrays() -> Iterator[None]:
+def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
     originals = {name: getattr(np, name) for name in ("array", "asarray", "asanyarray", "ascontiguousarray", "full")}
+    by_name = [
+        (module, alias, name)
+        for module in modules
+        for alias, value in vars(module).items()
+        for name, original in originals.items()
+        if value is original
+    ]
 
     def replaced(name: str) -> Callable:
         original = originals[name]
@@ -485,7 +550,9 @@ def _traced_arrays() -> Iterator[None]:
     try:
         for name in originals:
             setattr(np, name, full if name == "full" else replaced(name))
+        for module, alias, name in by_name:
+            setattr(module, alias, getattr(np, name))
         yield
     finally:
-        for name, original in originals.items():
-            setattr(np, name, original)
+        for module, alias, name in [*((np, name, name) for name in originals), *by_name]:
+            setattr(module, alias, originals[name])

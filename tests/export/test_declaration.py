@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from numpy import array, full, where
 
 from evidence.compiled import Compiled, linked
 from navfmu.errors import NavfmuError
@@ -372,6 +373,47 @@ def test_a_truth_value_assigned_to_a_number_is_a_number_in_both_modes():
     assert run.get("n") == 2.0
     (native,) = linked([Compiled(lower(Counter).tasks[0].values, (1,))])
     assert native([1.0, 1.0, 0.0]) == 2.0
+
+
+def test_functions_of_numpy_that_are_imported_by_name_are_traced():
+    class ByName(Component):
+        """By name."""
+
+        u = Input(2, "1")
+        y = Output(2, "1")
+        sample_period = Parameter("s", start=1.0)
+
+        @every("sample_period")
+        def step(self):
+            pair = array([self.u[1], 2.0], float)
+            self.y = where(array([self.u[0], -1.0]) > 0, np.sqrt(pair), np.maximum(full(2, self.u[0]), 3.0))
+
+    (native,) = linked([Compiled(lower(ByName).tasks[0].values, (2,))])
+    assert native([4.0, 9.0, 0.0, 0.0, 1.0]).tolist() == [3.0, 4.0]
+    assert array is np.array and full is np.full
+
+
+def test_a_list_of_values_for_numpy_is_told_to_be_an_array():
+    class Lists(Component):
+        """Lists."""
+
+        u = Input("1")
+        y = Output(2, "1")
+        sample_period = Parameter("s", start=1.0)
+        chooses = False
+
+        @every("sample_period")
+        def step(self):
+            values = [self.u, 2.0]
+            self.y = np.maximum(values, 1.0) if self.chooses else np.sqrt(values)
+
+    class Chooses(Lists):
+        """Chooses."""
+
+        chooses = True
+
+    refused(lambda: lower(Lists), "a list of traced values", "np.array([...])")
+    refused(lambda: lower(Chooses), "a list of values where NumPy expects an array", "np.array([...]) for a list")
 
 
 def test_requirements_are_over_parameters():
