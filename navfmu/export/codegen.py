@@ -138,7 +138,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),
         "row_values": sum(2 * len(table.columns) for table in model.tables),
     }
-    yield "const Model model = {"
+    yield "static const Model model = {"
     yield from (f"    .{name} = {value}," for name, value in fields.items())
     yield "};"
 

@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2Functions.h"
-#include "model.h"
+#include "fmu.c"
 
 static unsigned long long random_state = 1;
 static size_t logged = 0;

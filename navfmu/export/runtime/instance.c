@@ -9,7 +9,7 @@
 
 #include "noise.h"
 
-void instance_say(Instance *self, Severity severity, const char *format, ...) {
+static void instance_say(Instance *self, Severity severity, const char *format, ...) {
     char sentence[1024];
     va_list values;
     va_start(values, format);
@@ -23,7 +23,7 @@ static double shown(double value) {
     return value == value ? value : (double)NAN;
 }
 
-int nearest_int(double value) {
+static int nearest_int(double value) {
     if (!(value > -2147483648.0)) return value != value ? 0 : -2147483647 - 1;
     if (value >= 2147483647.0) return 2147483647;
     return (int)(value < 0 ? value - 0.5 : value + 0.5);
@@ -66,7 +66,7 @@ static size_t lay_out(Instance *self, char *base) {
     return size;
 }
 
-int instance_create(Instance *self, const char *resources) {
+static int instance_create(Instance *self, const char *resources) {
     self->state_size = lay_out_state(self, NULL);
     self->memory = calloc(1, lay_out(self, NULL));
     if (!self->memory) {
@@ -85,14 +85,14 @@ int instance_create(Instance *self, const char *resources) {
     return 0;
 }
 
-void instance_destroy(Instance *self) {
+static void instance_destroy(Instance *self) {
     if (!self->memory) return;
     for (int i = 0; i < model.table_count; i++) table_free(&self->tables[i]);
     free(self->memory);
     self->memory = NULL;
 }
 
-void instance_reset(Instance *self) {
+static void instance_reset(Instance *self) {
     memset(self->state, 0, self->state_size);
     self->previewed = 0;
     self->state->phase = INSTANTIATED;
@@ -144,7 +144,7 @@ static int run_start_tasks(Instance *self) {
     return 0;
 }
 
-int instance_preview(Instance *self) {
+static int instance_preview(Instance *self) {
     if (self->previewed) return 0;
     memcpy(self->before, self->state, self->state_size);
     self->previewed = 1;
@@ -153,7 +153,7 @@ int instance_preview(Instance *self) {
     return 1;
 }
 
-void instance_undo_preview(Instance *self) {
+static void instance_undo_preview(Instance *self) {
     if (!self->previewed) return;
     memcpy(self->state, self->before, self->state_size);
     self->previewed = 0;
@@ -282,7 +282,7 @@ static int fits_in(Instance *self, double time, double h, double end) {
     return 0;
 }
 
-int instance_step(Instance *self, double time, double h) {
+static int instance_step(Instance *self, double time, double h) {
     const double end = time + h;
     if (!(h > 0) || !isfinite(end)) {
         instance_say(self, SAY_NO_STEP, shown(h), shown(time));
@@ -297,7 +297,7 @@ int instance_step(Instance *self, double time, double h) {
 
 /* ---- parameters ---- */
 
-int instance_in_range(Instance *self, int index, double value) {
+static int instance_in_range(Instance *self, int index, double value) {
     const Variable *variable = &model.variables[index];
     if (value >= variable->min && value <= variable->max) return 1;
     const char *space = *variable->unit ? " " : "", *unit = variable->unit;
@@ -352,7 +352,7 @@ static int parameters_hold(Instance *self) {
     return good;
 }
 
-int instance_start(Instance *self) {
+static int instance_start(Instance *self) {
     instance_undo_preview(self);
     if (!parameters_hold(self) || instance_preview(self)) return 1;
     self->previewed = 0; /* what was calculated stays */

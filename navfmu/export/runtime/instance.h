@@ -45,27 +45,27 @@ struct Instance {
 };
 
 /* Returns 0, or 1 after reporting why not. `self` is zeroed memory of the front end with host and report set. */
-int instance_create(Instance *self, const char *resources);
-void instance_destroy(Instance *self);
-void instance_reset(Instance *self);
+static int instance_create(Instance *self, const char *resources);
+static void instance_destroy(Instance *self);
+static void instance_reset(Instance *self);
 
 /* In initialisation mode: calculate what depends on what was set so far, and take that back.
    Returns 0, or 1 after reporting why not. */
-int instance_preview(Instance *self);
-void instance_undo_preview(Instance *self);
+static int instance_preview(Instance *self);
+static void instance_undo_preview(Instance *self);
 
 /* Check the parameters and run the start tasks. Returns 0, or 1 after reporting why not; then nothing has changed. */
-int instance_start(Instance *self);
+static int instance_start(Instance *self);
 
 /* Do all that is due in a step of h from the host's time. Returns 0, or 1 after reporting why it cannot be done. */
-int instance_step(Instance *self, double time, double h);
+static int instance_step(Instance *self, double time, double h);
 
 /* Whether the value lies in the parameter's range; reports when not. */
-int instance_in_range(Instance *self, int index, double value);
+static int instance_in_range(Instance *self, int index, double value);
 
 /* The nearest int, also for values that no int can hold. */
-int nearest_int(double value);
+static int nearest_int(double value);
 
-void instance_say(Instance *self, Severity severity, const char *format, ...);
+static void instance_say(Instance *self, Severity severity, const char *format, ...);
 
 #endif

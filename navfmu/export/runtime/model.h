@@ -76,6 +76,6 @@ typedef struct {
     int most_normals, most_targets, row_values; /* sizes of what the functions read and write */
 } Model;
 
-extern const Model model;
+static const Model model; /* defined in model.c */
 
 #endif

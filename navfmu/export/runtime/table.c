@@ -148,7 +148,7 @@ static int parse(Table *table, const TableInfo *info, char *text, const char *pa
     return 0;
 }
 
-int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size) {
+static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size) {
     table->columns = info->columns;
     if (!resources || !*resources) {
         snprintf(problem, size, "No fmuResourceLocation was given, but this FMU reads the table resources/%s.", info->file);
@@ -164,12 +164,12 @@ int table_load(Table *table, const TableInfo *info, const char *resources, char 
     return failed;
 }
 
-void table_free(Table *table) {
+static void table_free(Table *table) {
     free(table->values);
     table->values = NULL;
 }
 
-void table_rows(const Table *table, double time, int64_t *cursor, double *out) {
+static void table_rows(const Table *table, double time, int64_t *cursor, double *out) {
     const int columns = table->columns;
     int64_t row = *cursor;
     while (row + 2 < table->rows && table->values[(row + 1) * columns] <= time) row++;

@@ -12,11 +12,11 @@ typedef struct {
 } Table;
 
 /* Read resources/FILE. Returns 0 when done, else writes a sentence to `problem`. */
-int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size);
-void table_free(Table *table);
+static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size);
+static void table_free(Table *table);
 
 /* Copy the last row not after `time` and the row that follows it; the cursor remembers the place for the next call.
    Before the first row these are the first two rows, after the last row the last two. */
-void table_rows(const Table *table, double time, int64_t *cursor, double *out);
+static void table_rows(const Table *table, double time, int64_t *cursor, double *out);
 
 #endif
