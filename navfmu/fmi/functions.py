@@ -18,7 +18,8 @@ OPTIONAL = {
 def lacking(archive: zipfile.ZipFile, path: Path, identifier: str, abilities: dict[str, bool]) -> Iterator[str]:
     """A sentence for each library of an FMU that lacks functions of what the FMU cannot do.
 
-    No library is loaded for that: the name of each function that one offers stands in it, or in a file beside it.
+    No library is loaded for that: the name of each function that one offers stands in it, or in a file beside it;
+    where not even the first does, the names cannot be read.
     """
     wanted = [name for ability, names in OPTIONAL.items() if not abilities[ability] for name in names]
     files = [PurePosixPath(name) for name in entries(archive, path)]
@@ -27,5 +28,5 @@ def lacking(archive: zipfile.ZipFile, path: Path, identifier: str, abilities: di
             beside = (read_entry(archive, str(f), path, MAX_BYTES) for f in files if f.parent == library.parent)
             contents = b"\0".join(beside)
             missing = [name for name in wanted if name.encode() + b"\0" not in contents]
-            if missing:
+            if missing and b"fmi2Instantiate\0" in contents:
                 yield f"{library} has no {', '.join(missing)}"

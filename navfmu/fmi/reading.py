@@ -22,6 +22,12 @@ from navfmu.fmi.functions import lacking
 NAME = "modelDescription.xml"
 #: Problems of the schema that do not matter here: no outputs, and a date that nobody reads.
 HARMLESS = r"Missing child element\(s\)|attribute 'generationDateAndTime'"
+#: By causality: the variabilities that FMI allows, and ``initial`` where another stands there and it is not given.
+COMBINATIONS = {
+    "parameter": (("fixed", "tunable"), "exact"),
+    "calculatedParameter": (("fixed", "tunable"), "calculated"),
+    "output": (("constant", "discrete", "continuous"), "calculated"),
+}
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -101,6 +107,10 @@ def _model(root: Any, where: str) -> Any:
     from fmpy.model_description import read_model_description
     from lxml import etree
 
+    for variable in root.iterfind("ModelVariables/ScalarVariable"):
+        allowed, initial = COMBINATIONS.get(variable.get("causality"), ((), ""))
+        if allowed and variable.get("variability", "continuous") not in allowed and "initial" not in variable.attrib:
+            variable.set("initial", initial)  # with it FMPy reads on and says later what is wrong
     try:
         return read_model_description(io.BytesIO(zipped({NAME: etree.tostring(root)})), validate=False)
     except Exception as error:  # FMPy raises Exception, KeyError, ... on contents it does not expect

@@ -52,6 +52,18 @@ FMUS = {
         {"description": replaced(('variability="discrete"', 'variability="continuous"'))},
         'the variable "number" is of type Integer and must have variability != "continuous"',
     ),
+    "a parameter that does not say when it changes": (
+        {"description": replaced(('variability="fixed" initial="exact"', ""))},
+        'the combination causality="parameter" and variability="continuous" in variable "tau" is not allowed',
+    ),
+    "a constant parameter": (
+        {"description": replaced(('variability="fixed" initial="exact"', 'variability="constant"'))},
+        'the combination causality="parameter" and variability="constant" in variable "tau" is not allowed',
+    ),
+    "a fixed output": (
+        {"description": replaced(('variability="continuous" initial="calculated"', 'variability="fixed"'))},
+        'the combination causality="output" and variability="fixed" in variable "y" is not allowed',
+    ),
     "an unknown attribute": (
         {"description": replaced(("<ScalarVariable ", '<ScalarVariable previous="1" '))},
         ": <ScalarVariable> has the unknown attribute 'previous' (4 more like it)",
