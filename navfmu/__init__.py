@@ -1,25 +1,26 @@
 """navfmu: navigation components as FMUs, systems of them, and the master that runs them and injects failures."""
 
-from typing import TYPE_CHECKING, Any
-
-from navfmu.errors import NavfmuError, NavfmuWarning
-
+TYPE_CHECKING = False  # as in typing, without its import: Ctrl-C is answered as soon as the command line begins
 if TYPE_CHECKING:
+    from navfmu.errors import NavfmuError, NavfmuWarning
     from navfmu.system.experiment import Experiment
     from navfmu.system.system import System
 
 __all__ = ["Experiment", "NavfmuError", "NavfmuWarning", "System", "__version__"]
 __version__ = "0.1.0"
 
+_HOMES = {
+    "Experiment": "navfmu.system.experiment",
+    "NavfmuError": "navfmu.errors",
+    "NavfmuWarning": "navfmu.errors",
+    "System": "navfmu.system.system",
+}
 
-def __getattr__(name: str) -> Any:
-    """Import what is heavy on first use, so that ``import navfmu`` stays cheap."""
-    if name == "System":
-        from navfmu.system.system import System
 
-        return System
-    if name == "Experiment":
-        from navfmu.system.experiment import Experiment
+def __getattr__(name: str):
+    """Import what is asked for on first use, so that ``import navfmu`` stays cheap."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'navfmu' has no attribute '{name}'")
+    import importlib
 
-        return Experiment
-    raise AttributeError(f"module 'navfmu' has no attribute '{name}'")
+    return getattr(importlib.import_module(_HOMES[name]), name)

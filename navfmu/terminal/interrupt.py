@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from types import FrameType
 
 from navfmu.errors import Interrupted
 
@@ -25,6 +25,19 @@ def as_a_sentence() -> Iterator[None]:
         raise Interrupted("interrupted") from None
 
 
+def _end(sentence: str) -> None:
+    """End the process at once; what Python itself is printing may be half done."""
+    os.write(2, f"navfmu: {sentence}\n".encode())
+    os._exit(Interrupted.exit_code)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    """Whether a module is being imported, which happens before anything is written."""
+    while frame is not None and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        frame = frame.f_back
+    return frame is not None
+
+
 @contextmanager
 def _watched() -> Iterator[None]:
     """Python hears a signal between two of its instructions: not before the call of an FMU returns. A thread does."""
@@ -35,8 +48,10 @@ def _watched() -> Iterator[None]:
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
 
-    def hear(number: int, frame: object) -> None:
+    def hear(number: int, frame: FrameType | None) -> None:
         heard.set()
+        if _importing(frame):  # which may drop an exception, or make another one of it
+            _end("interrupted")
         raise KeyboardInterrupt
 
     def watch() -> None:
@@ -46,9 +61,7 @@ def _watched() -> Iterator[None]:
                     continue
                 heard.wait(PATIENCE)
                 if not over.wait(LAST if heard.is_set() else 0.0):  # it may wait for threads that wait for an FMU
-                    print("navfmu: interrupted while an FMU did not return", file=sys.stderr)
-                    sys.stderr.flush()
-                    os._exit(Interrupted.exit_code)
+                    _end("interrupted while an FMU did not return")
 
     before = signal.signal(signal.SIGINT, hear)
     old = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
