@@ -40,7 +40,7 @@ def fail(run: Run, folder: Path, error: str, place: dict[str, str | float], reco
     frame = None
     if recording is not None and len(recording.time):
         frame = as_frame(recording)
-        frame.attrs["notes"] = [visible(note) for note in (*run.experiment.system.notes, *recording.notes)]
+        frame.attrs["notes"] = [*run.experiment.notes, *map(visible, recording.notes)]
         frame.attrs["provenance"] = run.experiment.provenance() | {"error": error}
     _keep(run, folder, frame, error, place)
 

@@ -124,8 +124,8 @@ def page(result: Sweep, image: bytes) -> Page:
     """The whole report."""
     made = Page(
         f"Communication step size of {result.system}",
-        f"{result.stop:g} s with the same seed in every run; errors are differences from the same algorithm at "
-        f"{result.steps[0]:g} s, every {result.period:g} s",
+        f"{result.stop:g} s with the same seed in every run ({result.seeded}); errors are differences from the same "
+        f"algorithm at {result.steps[0]:g} s, every {result.period:g} s",
     )
     made.text(recommendation(result))
     made.picture(image, "rms error over communication step", caption(result))

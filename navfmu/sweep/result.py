@@ -57,6 +57,13 @@ class Sweep:
     notes: tuple[str, ...] = ()  # of the runs, for the user
     idle: tuple[str, ...] = ()  # signals that are not compared because they are valid in no run
     not_real: tuple[str, ...] = ()  # signals that have no error: modes, flags
+    seed: int = 1  # of every run
+    seed_given: bool = True  # else it is the one that sweeps take
+
+    @property
+    def seeded(self) -> str:
+        """The seed, in words."""
+        return f"seed: {self.seed}{'' if self.seed_given else ', as none is given'}"
 
     @property
     def signals(self) -> list[str]:

@@ -17,6 +17,7 @@ from navfmu.terminal.table import Column, Kind, Table
 def show(result: Sweep, report: Path | None) -> None:
     """Print the tables, the recommendation and where the report is."""
     out = console()
+    say(out, f"{result.stop:g} s at {len(result.steps)} step sizes, {' and '.join(ALGORITHMS)}, {result.seeded}")
     _errors(out, result)
     _lost(out, result)
     say(out, recommendation(result))

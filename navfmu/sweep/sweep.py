@@ -77,6 +77,8 @@ def sweep(
         notes=notes,
         idle=idle,
         not_real=not_real(frames),
+        seed=common["seed"],
+        seed_given=experiment.seed is not None,
     )
 
 

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral, Real
 from pathlib import Path
@@ -118,15 +118,9 @@ class Experiment:
 
     def start_values(self) -> dict[str, dict[str, Any]]:
         """The values set before initialisation, by component and variable: the system's, the seed, the parameters."""
-        given: dict[str, dict[str, Any]] = {name: {} for name in self.system.fmus}
-        for name, value in self.parameters.items():
-            component, _, variable = str(name).partition(".")
-            where = f"parameter '{name}'"
-            self.system.known(component, where)
-            values = expand(self.system.fmus[component].description, {variable: value}, where)
-            self.system.refuse_connected(component, values, where)
+        start, given = {}, {name: {} for name in self.system.fmus}
+        for component, values in self._settings().values():
             given[component] |= values
-        start = {}
         for name, fmu in self.system.fmus.items():
             start[name] = {**self.system.values[name]}
             own = fmu.description.by_name.get("seed")
@@ -134,6 +128,36 @@ class Experiment:
                 start[name]["seed"] = checked(fmu.description, own, self.seed, f"{name}, seed")
             start[name] |= given[name]
         return start
+
+    def _settings(self) -> dict[str, tuple[str, dict[str, Any]]]:
+        """What each parameter sets: its component, and a value for each variable."""
+        found = {}
+        for name, value in self.parameters.items():
+            component, _, variable = name.partition(".")
+            where = f"parameter '{name}'"
+            self.system.known(component, where)
+            values = expand(self.system.fmus[component].description, {variable: value}, where)
+            self.system.refuse_connected(component, values, where)
+            found[name] = component, values
+        return found
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know before it is run: of the system, and which of two settings of one value holds."""
+        return [*self.system.notes, *map(visible, self._contradictions())]
+
+    def _contradictions(self) -> Iterator[str]:
+        """The later parameter holds, and a parameter rather than the seed."""
+        last: dict[tuple[str, str], tuple[str, Any]] = {}
+        for name, (component, values) in self._settings().items():
+            differ = [v for v, value in values.items() if last.get((component, v), ("", value))[1] != value]
+            if differ:
+                before = last[component, differ[0]][0]
+                yield f"'{before}' and '{name}' set '{component}.{differ[0]}' to different values: the last one holds"
+            last |= {(component, variable): (name, value) for variable, value in values.items()}
+        for (component, variable), (_, value) in last.items():
+            if variable == "seed" and self.seed not in (None, value):
+                yield f"the seed of '{component}' is {value}, as its parameter says, not that of the run"
 
     def plan(self) -> Plan:
         """The plan that an engine executes."""
@@ -180,7 +204,7 @@ class Experiment:
                 with memory(plan) as box:
                     recording = compiled.run(plan, progress, box)
         frame = as_frame(recording)
-        frame.attrs["notes"] = [visible(note) for note in (*self.system.notes, *plan.notes, *recording.notes)]
+        frame.attrs["notes"] = [*self.notes, *map(visible, (*plan.notes, *recording.notes))]
         frame.attrs["provenance"] = about
         return frame
 

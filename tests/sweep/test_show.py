@@ -104,3 +104,11 @@ def test_a_signal_that_ends_as_nan_is_not_recommended(tmp_path):
     assert run.exit_code == 0, run.output
     assert "Use" not in run.output and "is not finite at 5 of 11 points" in run.output
     assert "is not finite at 5 of 11 points" in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.parametrize(("seed", "words"), [(7, "seed: 7"), (None, "seed: 1, as none is given")])
+def test_the_seed_is_told(seed, words, tmp_path):
+    options = ["--out", str(tmp_path), *([] if seed is None else ["--seed", str(seed)])]
+    out = CliRunner().invoke(main, ["sweep", str(systems.tracker()), "--stop", "2", "--steps", "0.1,0.2", *options])
+    assert out.exit_code == 0 and f"2 s at 2 step sizes, gauss_seidel and jacobi, {words}\n" in out.output
+    assert f"({words});" in (tmp_path / "report.html").read_text()

@@ -17,6 +17,7 @@ from navfmu.cli.main import main
 from navfmu.faults import Fault
 from navfmu.system import provenance
 from navfmu.system.result import read
+from tests import built
 from tests.components import systems
 
 BIAS = Fault("b", "lag.y", "bias", 1.0, 2.0, {"value": 0.5})
@@ -202,3 +203,39 @@ def test_a_list_of_texts_is_written_as_it_is_read(system):
     assert text == "[1 m, 2.5, true]"
     description = system.fmus["lag"].description
     assert expand(description, {"tau": _word(["2 s"])}, "x") == {"tau": 2.0}
+
+
+CONTRADICTIONS = {
+    "an array, then an element": (
+        {"imu.gyro_null_shift": [1e-6, 2e-6, 3e-6], "imu.gyro_null_shift[2]": 5e-6},
+        ["'imu.gyro_null_shift' and 'imu.gyro_null_shift[2]' set 'imu.gyro_null_shift[2]' to different values: the "
+         "last one holds"],
+    ),
+    "an element, then the array": (
+        {"imu.gyro_null_shift[2]": 5e-6, "imu.gyro_null_shift": 0.0},
+        ["'imu.gyro_null_shift[2]' and 'imu.gyro_null_shift' set 'imu.gyro_null_shift[2]' to different values: the "
+         "last one holds"],
+    ),
+    "the same value twice": ({"imu.gyro_null_shift": 5e-6, "imu.gyro_null_shift[2]": "5e-6 rad/s"}, []),
+    "a seed": ({"imu.seed": 3}, ["the seed of 'imu' is 3, as its parameter says, not that of the run"]),
+    "the same seed": ({"imu.seed": 9}, []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_which_of_two_settings_holds_is_told(name, tmp_path_factory):
+    parameters, notes = CONTRADICTIONS[name]
+    imu = System.load(built.fmu("imu", tmp_path_factory))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        frame = imu.run(stop=0.1, step=0.01, seed=9, parameters=parameters)
+    assert frame.attrs["notes"] == notes
+    words = [word for name, value in parameters.items() for word in ("--set", f"{name}={value}")]
+    words = ["run", str(imu.structure.origin), "--stop", "0.1", "--step", "0.01", "--seed", "9", *words]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0 and done.stderr == "".join(f"note: {note}\n" for note in notes)
+
+
+def test_a_seed_of_a_parameter_needs_no_note_where_the_run_has_none(tmp_path_factory):
+    imu = System.load(built.fmu("imu", tmp_path_factory))
+    assert imu.experiment(stop=0.1, step=0.01, parameters={"imu.seed": 3}).notes == []
