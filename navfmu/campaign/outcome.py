@@ -65,6 +65,7 @@ class Outcome:
     folder: Path
     runs: list[Judged]
     cells: list[Cell]
+    points: np.ndarray  # s, when rows were to be recorded; a run that an FMU has ended has fewer
     mended: tuple[str, ...] = ()  # files of earlier runs that were damaged, and so flown again
 
     @property
@@ -105,7 +106,7 @@ class Outcome:
             for requirement, finding in judged.findings.items():
                 rows.append(head | {"requirement": requirement} | finding.row() | tail)
             if not judged.findings:
-                nothing = dict.fromkeys(("held", "percent", "worst", "worst_time", "first_violation"))
+                nothing = dict.fromkeys(("held", "percent", "worst", "worst_time", "first_violation", "missing"))
                 rows.append(head | {"requirement": ""} | nothing | tail)
         return rows
 
@@ -114,15 +115,16 @@ def evaluate(
     campaign: Campaign, runs: list[Run], answers: dict[str, Answer], folder: Path, mended: tuple[str, ...] = ()
 ) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
-    judged = [_judge_run(campaign, run, answers[run.key], folder) for run in runs]
+    points = runs[0].experiment.points
+    judged = [_judge_run(campaign, run, answers[run.key], folder, points) for run in runs]
     cells = []
     for variant in campaign.systems:
         for case in campaign.cases:
             group = [j for j in judged if j.run.variant == variant and j.run.case.name == case.name]
             for requirement in campaign.requirements:
                 if requirement.applies(variant, case.name):
-                    cells.append(_cell(requirement, variant, case, group, folder))
-    return Outcome(campaign, folder, judged, cells, mended)
+                    cells.append(_cell(requirement, variant, case, group, folder, points))
+    return Outcome(campaign, folder, judged, cells, points, mended)
 
 
 def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
@@ -135,18 +137,20 @@ def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
     return {name: table[name].to_numpy() for name in names}
 
 
-def _judge_run(campaign: Campaign, run: Run, answer: Answer, folder: Path) -> Judged:
+def _judge_run(campaign: Campaign, run: Run, answer: Answer, folder: Path, points: np.ndarray) -> Judged:
     if answer.error is not None:
         return Judged(run, answer, {})
     asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
     series = read_series(run.recording(folder), [r.signal for r in asked])
-    findings = {r.id: judge(r, series["time"], series[r.signal]) for r in asked}
+    findings = {r.id: judge(r, points, series[r.signal]) for r in asked}
     return Judged(run, answer, {name: finding for name, finding in findings.items() if finding is not None})
 
 
-def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
+def _cell(
+    requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path, points: np.ndarray
+) -> Cell:
     if requirement.quantile is not None:
-        return _quantile_cell(requirement, variant, case, group, folder)
+        return _quantile_cell(requirement, variant, case, group, folder, points)
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
     held = sum(finding.held != requirement.expect_violated for _, finding in found)
     total = len(group)
@@ -155,17 +159,22 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     what = "violated, as expected, in" if requirement.expect_violated else "held in"
     sentence = f"{what} {held} of {total} runs"
     finding = worst[1]
-    if finding is not None and (requirement.unit or finding.first_violation is not None):
+    if finding is not None and (requirement.unit or finding.first_violation is not None or finding.missing):
         sentence += f"; worst: seed {worst[0].run.seed}"
-        if requirement.unit:
+        if requirement.unit and finding.reached:
             sentence += f", {told(requirement, finding.worst)} at t = {finding.worst_time:.9g} s"
         sentence += f", inside for {percent(finding.percent)} of the time"
         if finding.first_violation is not None:
             sentence += f", first violated at t = {finding.first_violation:.9g} s"
-    failed = sum(j.error is not None for j in group)
-    if failed:
-        sentence += f"; {failed} ended with an error"
+    sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0])
+
+
+def _ends(group: list[Judged], early: int) -> str:
+    """What to say of runs that are not whole: "; 1 ended with an error; 2 ended before all points were reached"."""
+    failed = sum(j.error is not None for j in group)
+    sentence = f"; {failed} ended with an error" if failed else ""
+    return sentence + (f"; {early} ended before all points were reached" if early else "")
 
 
 def percent(value: float) -> str:
@@ -192,21 +201,22 @@ def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
     return -finding.percent, float(requirement.excess(np.array([finding.worst]))[0])
 
 
-def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
+def _quantile_cell(
+    requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path, points: np.ndarray
+) -> Cell:
     """A quantile over the runs at every time."""
     good = [j for j in group if j.error is None]
     rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
     if not rows:
         return Cell(requirement, variant, case.name, False, 0, len(group), "every run ended with an error", None)
-    time = max((row["time"] for row in rows), key=len)
-    window = requirement.window(time)
-    values = np.full((len(rows), len(time)), np.nan)  # a run that ended early is outside from then on
+    window = requirement.window(points)
+    values = np.full((len(rows), len(points)), np.nan)  # a run that ended early is outside from then on
     for number, row in enumerate(rows):
         values[number, : len(row["time"])] = row[requirement.signal]
-    found = judge_quantile(requirement, time[window], values[:, window])
-    passed, sentence = found.passed and len(good) == len(group), found.sentence
-    if len(good) < len(group):
-        sentence += f"; {len(group) - len(good)} ended with an error"
+    found = judge_quantile(requirement, points[window], values[:, window])
+    passed = found.passed and len(good) == len(group)
+    early = sum(j.findings[requirement.id].missing > 0 for j in good)
+    sentence = found.sentence + _ends(group, early)
     return Cell(requirement, variant, case.name, passed, found.held, len(group), sentence, good[found.most_wrong])
 
 
@@ -221,10 +231,11 @@ class QuantileFinding:
 
 
 def judge_quantile(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> QuantileFinding:
-    """A quantile over the runs at every time; ``values`` has the shape (runs, times)."""
+    """A quantile over the runs at every time; ``values`` has the shape (runs, times). NaN counts as outside."""
     # the order statistic at or beyond the quantile: nothing between two runs is made up
-    upper = np.quantile(values, requirement.quantile, axis=0, method="higher")
-    lower = -np.quantile(-values, requirement.quantile, axis=0, method="higher")
+    none = np.isnan(values)
+    upper = np.quantile(np.where(none, np.inf, values), requirement.quantile, axis=0, method="higher")
+    lower = -np.quantile(np.where(none, np.inf, -values), requirement.quantile, axis=0, method="higher")
     high = upper - requirement.most if requirement.most is not None else np.full(upper.shape, -np.inf)
     low = requirement.least - lower if requirement.least is not None else np.full(lower.shape, -np.inf)
     excess = np.maximum(high, low)
@@ -235,10 +246,11 @@ def judge_quantile(requirement: Requirement, time: np.ndarray, values: np.ndarra
     held = int(np.count_nonzero(inside[:, worst]))
     above = requirement.least is None or (requirement.most is not None and not low[worst] > high[worst])
     share = requirement.quantile if above else 1.0 - requirement.quantile
-    extreme = told(requirement, float((upper if above else lower)[worst]))
+    extreme = float((upper if above else lower)[worst])
+    at_worst = f"at worst {told(requirement, extreme)}" if np.isfinite(extreme) else "is no number"
     passed = bool(np.all(excess <= 0.0))
     sentence = (
-        f"{100 * share:.6g}th percentile of {len(values)} runs at worst {extreme} "
+        f"{100 * share:.6g}th percentile of {len(values)} runs {at_worst} "
         f"at t = {time[worst]:.9g} s, where {held} of {len(values)} runs are inside"
     )
     most_wrong = int(np.argmax(requirement.excess(values[:, worst])))

@@ -75,9 +75,15 @@ class Finding:
 
     held: bool
     percent: float  # of the points inside the bound
-    worst: float
+    worst: float  # NaN where none of the points was reached
     worst_time: float
     first_violation: float | None  # s
+    missing: int = 0  # points that an early end of the run has left out
+
+    @property
+    def reached(self) -> bool:
+        """Whether the run came as far as the first point."""
+        return not (self.missing and math.isnan(self.worst))
 
     def row(self) -> dict[str, Any]:
         """As plain data."""
@@ -87,26 +93,33 @@ class Finding:
             "worst": self.worst,
             "worst_time": self.worst_time,
             "first_violation": self.first_violation,
+            "missing": self.missing,
         }
 
 
 def judge(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> Finding | None:
-    """One run against one requirement; None when nothing was recorded in its time."""
+    """One run against one requirement; None when no point lies in its time.
+
+    ``time`` (s) has all points that were to be recorded, ``values`` fewer where the run has ended early. The others
+    speak against the requirement: they are outside of its bound, or inside, where it should be violated.
+    """
     window = requirement.window(time)
     if not window.any():
         return None
-    time, values = time[window], np.asarray(values, np.float64)[window]
+    time, values = time[window], np.asarray(values, np.float64)[window[: len(values)]]
     excess = requirement.excess(values)
-    outside = excess > 0.0
-    percent = 100.0 * float(np.count_nonzero(~outside)) / len(values)
-    worst = int(np.argmax(excess))
+    outside = np.full(len(time), not requirement.expect_violated)
+    outside[: len(values)] = excess > 0.0
+    percent = 100.0 * float(np.count_nonzero(~outside)) / len(time)
+    worst = int(np.argmax(excess)) if len(values) else 0
     needed = 100.0 if requirement.percent is None else requirement.percent
     return Finding(
         held=percent >= needed - 1e-9,
         percent=percent,
-        worst=float(values[worst]),
+        worst=float(values[worst]) if len(values) else math.nan,
         worst_time=float(time[worst]),
-        first_violation=float(time[np.argmax(outside)]) if outside.any() else None,
+        first_violation=float(time[np.argmax(excess > 0.0)]) if (excess > 0.0).any() else None,
+        missing=len(time) - len(values),
     )
 
 

@@ -46,7 +46,7 @@ def scene(outcome: Outcome, variant: str, case: Case, picture: Picture, runs: Se
 def recorded(outcome: Outcome, judged: Judged, signals: Sequence[str]) -> Recorded:
     """Recorded signals of a run."""
     series = outcome.series(judged, signals)
-    return Recorded(f"seed {judged.run.seed}", series.pop("time"), series)
+    return Recorded(f"seed {judged.run.seed}", series.pop("time"), series, outcome.points)
 
 
 def bounds_of(outcome: Outcome, variant: str, case: str) -> list[Bound]:

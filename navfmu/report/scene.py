@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,15 +12,45 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Recorded:
-    """One run: its name in legends ("seed 3"), its times (s) and its signals, all of one length."""
+    """One run: its name in legends ("seed 3"), its times (s) and its signals, all of one length.
+
+    ``planned`` (s) has the times of the whole run, of which there are more where an FMU has ended it early.
+    """
 
     name: str
     time: np.ndarray
     signals: Mapping[str, np.ndarray]
+    planned: np.ndarray | None = None
+
+    @property
+    def points(self) -> np.ndarray:
+        """The times of the whole run, s."""
+        return self.time if self.planned is None else self.planned
 
     def __getitem__(self, signal: str) -> np.ndarray:
         """The values of a signal as numbers; false is 0 and true is 1."""
         return np.asarray(self.signals[signal], np.float64)
+
+
+def whole(runs: Sequence[Recorded]) -> list[Recorded]:
+    """The runs with the points of the longest of them; NaN from where a run has ended."""
+    points = max((run.points for run in runs), key=len)
+
+    def filled(values: np.ndarray) -> np.ndarray:
+        return np.append(values, np.full(len(points) - len(values), np.nan))
+
+    return [Recorded(run.name, points, {name: filled(run[name]) for name in run.signals}) for run in runs]
+
+
+def early(runs: Sequence[Recorded]) -> str:
+    """ "2 of 8 runs ended early, the first at t = 3.2 s", or "" when all are whole."""
+    points = max(len(run.points) for run in runs)
+    ends = [float(run.time[-1]) for run in runs if len(run.time) < points]
+    if not ends:
+        return ""
+    if len(runs) == 1:
+        return f"ended early, at t = {ends[0]:g} s"
+    return f"{len(ends)} of {len(runs)} runs ended early, the first at t = {min(ends):g} s"
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from navfmu.system.assembly import Assembly
 from navfmu.system.provenance import environment, versions
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas
 
     from navfmu.engine.blackbox import BlackBox
@@ -176,6 +177,15 @@ class Experiment:
             faults=self.faults,
             seed=1 if self.seed is None else self.seed,
         )
+
+    @property
+    def points(self) -> np.ndarray:
+        """The times (s) at which a row is recorded, as long as no FMU ends the run."""
+        import numpy as np
+
+        clock = Clock.of(self.step, self.stop)
+        every = clock.multiple(self.record_period, "recording period")
+        return np.arange(0, clock.steps + 1, every) * clock.numerator / clock.denominator
 
     def run(
         self,

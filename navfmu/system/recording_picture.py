@@ -59,7 +59,8 @@ def write(frame: pandas.DataFrame, names: Sequence[str], file: str | Path, targe
     """Draw what the names mean, with the faults of the run, and write it as PNG; the signals that were drawn."""
     signals = chosen(list(frame.columns), names, str(file))
     about = frame.attrs["provenance"]
-    run = Recorded("", frame.index.to_numpy(float), {name: frame[name].to_numpy() for name in signals})
+    time = frame.index.to_numpy(float)
+    run = Recorded("", time, {name: frame[name].to_numpy() for name in signals}, _planned(time, about))
     scene = Scene(
         label=_label(about, Path(file)),
         runs=(run,),
@@ -69,6 +70,13 @@ def write(frame: pandas.DataFrame, names: Sequence[str], file: str | Path, targe
     )
     write_file(target, lines.Picture(kind="lines", signals=signals).draw(scene).png)
     return signals
+
+
+def _planned(time: np.ndarray, about: dict) -> np.ndarray:
+    """The times (s) that are there, and the stop time where the run has ended before."""
+    stop, period = (about.get(name) for name in ("stop", "record_period"))
+    told = all(isinstance(value, (int, float)) for value in (stop, period))
+    return np.append(time, stop) if told and stop - time[-1] > (1.0 - 1e-9) * period else time
 
 
 def _label(about: dict, file: Path) -> str:

@@ -84,7 +84,8 @@ def _pictures(result: Page, frame: pandas.DataFrame, experiment: Experiment, nam
     if drawn:
         pictures.append(lines.Picture(kind="lines", signals=drawn[:DRAWN]))
     result.heading("Pictures")
-    run = Recorded(_seed(experiment), frame.index.to_numpy(), {column: frame[column].to_numpy() for column in frame})
+    columns = {column: frame[column].to_numpy() for column in frame}
+    run = Recorded(_seed(experiment), frame.index.to_numpy(), columns, experiment.points)
     for picture in pictures:
         lacking = missing(picture, fmus)
         if lacking:

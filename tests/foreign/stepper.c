@@ -1,7 +1,8 @@
 /* A test FMU that takes FMI at its word where others do not: x' = u in one explicit step.
    - With noSetFMUStatePriorToCurrentPoint false each step starts from the state that was last certain.
    - `direct` is gain * u + bias, in initialisation mode, too; `fixed` is what the parameter `bias` says.
-   - At `ends_at` it wants no more: fmi2DoStep is discarded. `stubborn`: it does not say that this is an end.
+   - At `ends_at` + `spread` * `seed` it wants no more: fmi2DoStep is discarded. `stubborn`: it does not say that this
+     is an end. A step longer than `longest` is an end before it has begun.
    Value references of each type start at 0; see stepper.py. */
 #include <math.h>
 #include <stdlib.h>
@@ -9,8 +10,8 @@
 
 #include "fmi2Functions.h"
 
-enum { U, X, DIRECT, FIXED, GAIN, BIAS, ENDS_AT, REALS };
-enum { NUMBER, DOUBLE, INTEGERS };
+enum { U, X, DIRECT, FIXED, GAIN, BIAS, ENDS_AT, SPREAD, LONGEST, REALS };
+enum { NUMBER, DOUBLE, SEED, INTEGERS };
 enum { FLAG, NOT, STUBBORN, BOOLEANS };
 
 typedef struct {
@@ -25,7 +26,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     Stepper *s = callbacks->allocateMemory(1, sizeof *s);
     s->callbacks = callbacks;
     s->r[GAIN] = 1.0;
-    s->r[ENDS_AT] = 1e9;
+    s->r[ENDS_AT] = s->r[LONGEST] = 1e9;
     return s;
 }
 void fmi2FreeInstance(fmi2Component c) {
@@ -34,11 +35,11 @@ void fmi2FreeInstance(fmi2Component c) {
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean never_back) {
     Stepper *s = c;
-    double end = fmin(t + h, s->r[ENDS_AT]);
+    double last = h > s->r[LONGEST] ? t : s->r[ENDS_AT] + s->r[SPREAD] * s->i[SEED], end = fmin(t + h, last);
     if (never_back) s->certain = s->r[X];
     s->r[X] = s->certain + s->r[U] * (end - t);
     s->time = end;
-    s->ended = end >= s->r[ENDS_AT] - 1e-9;
+    s->ended = end >= last - 1e-9;
     return s->ended ? fmi2Discard : fmi2OK;
 }
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {

@@ -39,6 +39,9 @@ def description(dependencies: Dependencies = DEPENDENCIES, identifier: str = "st
         fmus.variable("flag", "input", "Boolean", 0),
         fmus.variable("not", "output", "Boolean", 1, **calculated),
         fmus.variable("stubborn", "parameter", "Boolean", 2),
+        fmus.variable("seed", "parameter", "Integer", 2, start="0"),
+        fmus.variable("spread", "parameter", reference=7, start="0"),
+        fmus.variable("longest", "parameter", reference=8, start="1e9"),
     ]
     text = fmus.describe(identifier, variables)
     attributes = " ".join(f'{name}="{value}"' for name, value in flags.items())

@@ -226,3 +226,27 @@ def test_legends_stand_beside_the_curves_and_inside_the_picture():
     png = draw_lines({name: TIME, "a.b": -TIME}).png
     pixels = image.imread(io.BytesIO(png))[:, :, :3]
     assert np.all(pixels[:, -3:] == 1.0) and np.all(pixels[:3] == 1.0)  # nothing is cut off at the edges
+
+
+def test_runs_that_ended_early_count_up_to_there_and_are_said(drawing):
+    """They were stacked as if all had one length."""
+    runs = [Recorded(f"seed {k}", TIME[:end], {"a.y": TIME[:end] + k}, TIME) for k, end in ((1, 30), (2, 60), (3, 100))]
+    made = percentiles.Picture(kind="percentiles", signal="a.y").draw(Scene("", tuple(runs), runs[0], {"a.y": "m"}))
+    median = curves(drawing[0].axes[0])["median"]
+    assert median[29] == 31.0 and median[59] == 62.0 and median[60] == 63.0 and len(median) == 100
+    assert "2 OF 3 RUNS ENDED EARLY, THE FIRST AT T = 29 S" in made.title and "not finite" not in made.caption
+
+
+def test_pictures_of_one_run_reach_to_its_planned_end(drawing):
+    run = Recorded("seed 1", TIME[:1], {"a.y": TIME[:1]}, TIME)
+    windows = (Window("late", 50.0),)
+    bounds = (Bound("R", "a.y", None, 2.0, "m", 50.0),)
+    scenes = Scene("", (run,), run, {"a.y": "m"}, windows, bounds)
+    for picture in (
+        percentiles.Picture(kind="percentiles", signal="a.y"),
+        lines.Picture(kind="lines", signals=["a.y"]),
+        sigma.Picture(kind="sigma", axes=[{"name": "a", "error": "a.y", "sigma": "a.y"}]),
+    ):
+        made = picture.draw(scenes)
+        assert "ended early, at t = 0 s" in made.caption
+        assert drawing[-1].axes[0].get_xlim() == (0.0, 99.0)

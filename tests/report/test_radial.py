@@ -74,3 +74,16 @@ def test_its_units_must_be_one():
     statistic().check(units)
     with pytest.raises(NavfmuError, match=r"'e.r' is in m, 's.e' in rad"):
         statistic().check(units | {"s.e": "rad"})
+
+
+def test_runs_that_ended_early_are_beyond_the_limit_from_then_on_and_said():
+    """They were stacked as if all had one length."""
+    whole = run(np.full(100, 2.0))
+    short = Recorded("seed", TIME[:60], {name: whole[name][:60] for name in whole.signals}, TIME)
+    row = statistic().row([whole, short], [LIMIT])
+    assert (row["above"], row["inside"], row["high_time"]) == (pytest.approx(20.0), pytest.approx(80.0), 60.0)
+    assert statistic().remark([whole, short], [LIMIT]).startswith("1 of 2 runs ended early: ")
+    over = Bound("R", "e.r", None, 10.0, "m", 0.0, 50.0)
+    assert statistic().row([whole, short], [over])["above"] == 0.0 and not statistic().remark([whole, short], [over])
+    late = Bound("R", "e.r", None, 10.0, "m", 70.0)
+    assert statistic().row([short, short], [late])["above"] == 100.0

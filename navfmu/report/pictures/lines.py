@@ -14,7 +14,7 @@ from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import remark
 from navfmu.report.kind import Picture as Base
-from navfmu.report.scene import Drawn, Scene, with_unit
+from navfmu.report.scene import Drawn, Scene, early, with_unit
 
 STYLES = ("-", "--")
 CURVES = len(STYLES) * len(COLOURS)  # in a panel; more would look alike
@@ -38,8 +38,9 @@ class Picture(Base):
         text = ", ".join(self.signals) if len(self.signals) <= 3 else f"{len(self.signals)} signals"
         heading = scene.titled(f"{text}, {scene.shown.name}" if scene.shown.name else text)
         missing = [name for name in self.signals if not np.isfinite(scene.shown[name]).all()]
-        caption = f"Not finite at some points: {', '.join(missing)}." if missing else ""
-        return Drawn(draw(scene, self.signals, heading), heading, caption)
+        said = [f"Not finite at some points: {', '.join(missing)}."] if missing else []
+        said += [f"The run {ended}."] if (ended := early([scene.shown])) else []
+        return Drawn(draw(scene, self.signals, heading), heading, " ".join(said))
 
 
 def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
@@ -70,11 +71,11 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
             else:
                 axis.set_ylabel(unit)
             axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0)
-        pad = shading.shade(drawing, axes, scene.windows, run.time[0], run.time[-1])
+        pad = shading.shade(drawing, axes, scene.windows, run.points[0], run.points[-1])
         title(drawing, axes[0], heading, pad)
         axes[-1].set_xlabel("time, s")
-        if run.time[-1] > run.time[0]:
-            axes[-1].set_xlim(run.time[0], run.time[-1])
+        if run.points[-1] > run.points[0]:
+            axes[-1].set_xlim(run.points[0], run.points[-1])
         return png(drawing)
 
 

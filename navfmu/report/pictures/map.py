@@ -14,7 +14,7 @@ from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.kind import pair
-from navfmu.report.scene import Drawn, Scene
+from navfmu.report.scene import Drawn, Scene, early
 
 NAUTICAL_MILE = 1852.0  # m
 EARTH = 6_371_000.0  # m, radius of a sphere: for pictures only
@@ -91,6 +91,7 @@ class Picture(Base):
             caption = (
                 f"Truth{' and estimate' if self.estimate else ''}; distances and directions from the middle are true."
             )
+            caption += f" The run {ended}." if (ended := early([run])) else ""
             return Drawn(png(drawing), ": ".join(filter(None, [heading, seen])), caption)
 
     def _estimate(self, axis: Any, ground: Ground, scene: Scene) -> list[str]:

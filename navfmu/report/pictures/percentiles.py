@@ -14,7 +14,7 @@ from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import extremes, remark
 from navfmu.report.kind import Picture as Base
-from navfmu.report.scene import Bound, Drawn, Scene, readable, with_unit, words
+from navfmu.report.scene import Bound, Drawn, Scene, early, readable, whole, with_unit, words
 
 LEGEND = 0.19  # inch for each row of the legend
 COLUMNS = 4
@@ -31,14 +31,15 @@ class Picture(Base):
         return [self.signal]
 
     def draw(self, scene: Scene) -> Drawn:
-        time = scene.shown.time
-        values = np.stack([run[self.signal] for run in scene.runs])
-        unit, missing = scene.unit(self.signal), remark([values])
+        runs = whole(scene.runs)
+        time, values = runs[0].time, np.stack([run[self.signal] for run in runs])
+        unit, missing = scene.unit(self.signal), remark(run[self.signal] for run in scene.runs)
         least, greatest = extremes(values)
         many = len(scene.runs) > 1
         text = f"{self.signal}, {f'{len(scene.runs)} runs' if many else scene.runs[0].name}"
         text += f", {with_unit(f'{readable(least)} to {readable(greatest)}', unit)}" if math.isfinite(least) else ""
-        heading = scene.titled(text + (f"; {missing.upper()}" if missing else ""))
+        ended = early(scene.runs)
+        heading = scene.titled(text + "".join(f"; {said.upper()}" for said in (missing, ended) if said))
         bounds = _distinct([bound for bound in scene.bounds if bound.signal == self.signal])
         entries = (4 if many else 1) + len(bounds)
         below = 0.1 + LEGEND * math.ceil(entries / COLUMNS)
@@ -49,19 +50,20 @@ class Picture(Base):
             else:
                 axis.plot(time, values[0], color=COLOURS[0], label=scene.runs[0].name)
             if missing:
-                bad = time[~np.isfinite(values).all(axis=0)]
+                bad = np.unique(np.concatenate([run.time[~np.isfinite(run[self.signal])] for run in scene.runs]))
                 label = "not finite in a run" if many else "not finite"
                 axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform(), label=label)
             for colour, (text, level, start, end) in zip(cycle(COLOURS[1:]), bounds, strict=False):
-                span = [max(start, time[0]), min(end, time[-1])]
+                span = [max(start, time[0]), min(end, time[-1])] if start <= time[-1] else [math.nan] * 2
                 axis.plot(span, [level, level], "--", color=colour, linewidth=1.2, label=text)
             pad = shading.shade(drawing, [axis], scene.windows, time[0], time[-1])
             title(drawing, axis, heading, pad)
             axis.set_xlabel("time, s")
             axis.set_ylabel(f"{words(self.signal)}, {unit or '1'}")
-            axis.set_xlim(time[0], time[-1])
+            if time[-1] > time[0]:
+                axis.set_xlim(time[0], time[-1])
             axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=COLUMNS)
-            return Drawn(png(drawing), heading, self._caption(scene, values, unit, missing))
+            return Drawn(png(drawing), heading, self._caption(scene, values, unit, missing, ended))
 
     def _spread(self, axis: Any, time: np.ndarray, values: np.ndarray) -> None:
         """Percentiles are runs that were flown, at or beyond the share: nothing between two runs is made up."""
@@ -73,7 +75,7 @@ class Picture(Base):
         for q, name in ((0.0, "least and greatest"), (1.0, None)):
             axis.plot(time, quantile(values, q, "higher"), color=COLOURS[0], linewidth=0.7, linestyle=":", label=name)
 
-    def _caption(self, scene: Scene, values: np.ndarray, unit: str, missing: str) -> str:
+    def _caption(self, scene: Scene, values: np.ndarray, unit: str, missing: str, ended: str) -> str:
         text = f"{self.signal} of {'one run' if len(scene.runs) == 1 else f'{len(scene.runs)} runs'}"
         if len(scene.runs) > 1:
             text += ": median, 5th to 95th percentile, the least and the greatest at each time"
@@ -82,7 +84,10 @@ class Picture(Base):
         if np.isfinite(finite[run, point]):
             value = with_unit(readable(values[run, point]), unit)
             text += f"; greatest: {value} at t = {scene.runs[run].time[point]:g} s, {scene.runs[run].name}"
-        return f"{text}. {f'The signal is {missing}; these are left out of the curves.' if missing else ''}".strip()
+        text += f". The signal is {missing}; these are left out of the curves" if missing else ""
+        if ended:
+            text += f". {ended}: it counts up to there" if len(scene.runs) > 1 else f". The run {ended}"
+        return f"{text}."
 
 
 def quantile(values: np.ndarray, q: float, method: str) -> np.ndarray:

@@ -13,7 +13,7 @@ from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.kind import same_unit
-from navfmu.report.scene import Drawn, Recorded, Scene
+from navfmu.report.scene import Drawn, Recorded, Scene, early
 
 PANEL = 2.25  # inch
 
@@ -49,13 +49,13 @@ class Picture(Base):
             same_unit(units, axis.error, axis.sigma)
 
     def draw(self, scene: Scene) -> Drawn:
-        time, count = scene.shown.time, len(self.axes)
+        time, points, count = scene.shown.time, scene.shown.points, len(self.axes)
         above = shading.height(scene.windows)
         size = (9.0, 0.85 + PANEL * count + above)
         sentences = []
         with figure(count, 1, size=size, above=above, left=0.95, sharex=True, squeeze=False) as (drawing, grid):
             panels = list(grid[:, 0])
-            pad = shading.shade(drawing, panels, scene.windows, time[0], time[-1])
+            pad = shading.shade(drawing, panels, scene.windows, points[0], points[-1])
             for panel, axis in zip(panels, self.axes, strict=True):
                 error, bound = scene.shown[axis.error], self.factor * scene.shown[axis.sigma]
                 claimed = f"{self.factor:g} sigma claimed"
@@ -68,11 +68,14 @@ class Picture(Base):
                 reach = _reach(error, bound)
                 panel.set_ylim(-1.15 * reach, 1.4 * reach)
             panels[-1].set_xlabel(f"time, s   ({scene.shown.name})")
-            panels[-1].set_xlim(time[0], time[-1])
+            if points[-1] > points[0]:
+                panels[-1].set_xlim(points[0], points[-1])
             text = "; ".join(sentences)
             image = png(drawing)
         shown = f"Curves of {scene.shown.name}; the shares count all runs. " if len(scene.runs) > 1 else ""
         left_out = f" Points count where {self.valid} is not 0." if self.valid else ""
+        if ended := early(scene.runs):
+            left_out += f" {ended if len(scene.runs) > 1 else f'The run {ended}'}; what was not reached does not count."
         return Drawn(image, scene.titled(text), f"{shown}What is not a finite number counts as outside.{left_out}")
 
     def _sentence(self, axis: Axis, runs: Sequence[Recorded]) -> str:

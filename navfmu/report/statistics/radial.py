@@ -14,7 +14,7 @@ from navfmu.report.finite import remark
 from navfmu.report.kind import Statistic as Base
 from navfmu.report.kind import pair, same_unit
 from navfmu.report.pictures.sigma import Axis
-from navfmu.report.scene import Bound, Recorded, words
+from navfmu.report.scene import Bound, Recorded, whole, words
 
 SIGMAS = 3
 
@@ -49,12 +49,13 @@ class Statistic(Base):
         bound = _asked(bounds)
         if bound is None:
             return None
+        runs = whole(runs)  # what is no number is beyond every limit, and so is what was not reached
         window = bound.window(runs[0].time)
         time, limit = runs[0].time[window], bound.most
         error, _, _, first_sigma, second_sigma = (
             np.stack([run[name][window] for run in runs]) for name in self.needs()
         )
-        error = np.where(np.isfinite(error), error, np.inf)  # what is no number is beyond every limit
+        error = np.where(np.isfinite(error), error, np.inf)
         median, high = np.quantile(error, (0.5, 0.95), axis=0, method="higher")  # runs that were flown, none in between
         both = [np.logical_and(*(axis.inside(run, SIGMAS)[window] for axis in self.axes)) for run in runs]
         return {
@@ -76,7 +77,11 @@ class Statistic(Base):
             return ""
         points = (run[name][bound.window(run.time)] for run in runs for name in self.needs())
         missing = remark(points)
-        return f"error and sigmas {missing}, which count as beyond the limit and outside" if missing else ""
+        said = [f"error and sigmas {missing}"] if missing else []
+        window = bound.window(max((run.points for run in runs), key=len))
+        ended = sum(bool(window[len(run.time) :].any()) for run in runs)
+        said += [f"{ended} of {len(runs)} runs ended early"] if ended else []
+        return f"{' and '.join(said)}: what is missing counts as beyond the limit and outside" if said else ""
 
     def table(self, rows: Sequence[Mapping[str, Any]], unit: str) -> tuple[list[str], list[list[str]]]:
         headings = [

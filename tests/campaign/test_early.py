@@ -1,0 +1,116 @@
+"""Runs that an FMU ends early: what was not reached is not certified, and nothing falls over runs of unequal length."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.outcome import Outcome, judge_quantile
+from navfmu.campaign.requirement import judge
+from navfmu.ssp.writer import SystemSource
+from tests.campaign.test_campaign import requirement
+from tests.foreign.stepper import write
+
+HEAD = """
+system = "{system}"
+seeds = "{seeds}"
+stop = 10.0
+step = 0.1
+
+[parameters]
+stepper.u = 1.0
+"""
+REQUIREMENT = '\n[[requirement]]\nid = "R"\nsignal = "stepper.x"\nat_most = 5.0\n'
+STATISTIC = """[[statistic]]
+kind = "radial"
+error = "stepper.x"
+axes = [
+    { error = "stepper.x", sigma = "stepper.fixed", name = "a" },
+    { error = "stepper.direct", sigma = "stepper.fixed", name = "b" },
+]
+
+[[picture]]
+kind = "sigma"
+axes = [{ error = "stepper.x", sigma = "stepper.fixed", name = "a" }]
+
+[[picture]]
+kind = "lines"
+signals = ["stepper.x"]
+"""
+TIME = np.arange(11.0)
+
+
+@pytest.fixture(autouse=True)
+def private_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("NAVFMU_CACHE", str(tmp_path / "cache"))
+
+
+def flown(folder: Path, *more: str, ends_at: float = 1e9, spread: float = 0.0, seeds: str = "1-2") -> Outcome:
+    """A campaign of one FMU that ends the runs at ``ends_at`` + ``spread`` * seed (s)."""
+    source = SystemSource("early", fmus=folder, stop_time=10.0, step=0.1)
+    write(folder / "stepper.fmu")
+    (folder / "report.toml").write_text(STATISTIC)
+    source.component("stepper", "stepper.fmu").attach("report.toml", folder / "report.toml")
+    text = HEAD.format(system=source.pack(folder / "early.ssp").name, seeds=seeds)
+    text += f"stepper.ends_at = {ends_at}\nstepper.spread = {spread}\n" + "".join(more)
+    (folder / "c.toml").write_text(text)
+    return run_campaign(load_campaign(folder / "c.toml"), folder / "out", workers="thread")
+
+
+def test_a_requirement_whose_time_was_not_reached_is_not_held(tmp_path):
+    outcome = flown(tmp_path, REQUIREMENT, ends_at=2.0)
+    (cell,) = outcome.cells
+    assert not cell.passed and not outcome.passed and cell.held == 0
+    assert cell.sentence.startswith("held in 0 of 2 runs; worst: seed 1, inside for 20.7 % of the time; 2 ended before")
+    rows = pandas.read_csv(tmp_path / "out" / "runs.csv")
+    assert rows.missing.tolist() == [80, 80] and rows.worst.max() == pytest.approx(2.0)
+
+
+def test_a_requirement_whose_time_was_over_holds(tmp_path):
+    outcome = flown(tmp_path, REQUIREMENT, "to = 2.0\n", ends_at=2.0)
+    assert outcome.passed and outcome.cells[0].held == 2
+
+
+@pytest.mark.parametrize("how", ["percent = 90", 'expect = "violated"', "quantile = 0.5"])
+def test_a_time_of_which_no_point_was_reached_is_answered(tmp_path, how):
+    outcome = flown(tmp_path, REQUIREMENT, "from = 4.0\n", how, ends_at=2.0)
+    (cell,) = outcome.cells
+    assert not cell.passed and cell.held == 0 and "2 ended before all points were reached" in cell.sentence
+    assert "nan" not in cell.sentence
+
+
+def test_what_is_missing_speaks_against_the_requirement_either_way():
+    held = judge(requirement(most=20.0, percent=60.0), TIME, np.zeros(7))
+    assert held.held and held.percent == pytest.approx(700 / 11) and held.missing == 4
+    assert not judge(requirement(most=20.0, percent=65.0), TIME, np.zeros(7)).held
+    assert judge(requirement(most=20.0, expect_violated=True), TIME, np.zeros(7)).held  # it was not violated
+    broken = judge(requirement(most=5.0, expect_violated=True), TIME, np.array([0.0, 6.0]))
+    assert not broken.held and broken.first_violation == 1.0
+
+
+def test_a_run_without_a_number_is_outside_of_a_quantile_and_the_others_are_not():
+    values = np.array([[0.0], [0.0], [np.nan]])
+    for bound in ({"most": 1.0}, {"least": -1.0}):
+        assert judge_quantile(requirement(**bound, quantile=0.5, percent=None), TIME[:1], values).passed
+        found = judge_quantile(requirement(**bound, quantile=0.9, percent=None), TIME[:1], values)
+        assert not found.passed and "of 3 runs is no number at t = 0 s, where 2 of 3 runs are inside" in found.sentence
+
+
+def test_runs_of_unequal_length_are_judged_counted_and_drawn(tmp_path):
+    """Seeds 1, 2, 3 end at 5, 6 and 7 s."""
+    outcome = flown(tmp_path, REQUIREMENT, "quantile = 0.3\nto = 6.5\n", ends_at=4.0, spread=1.0, seeds="1-3")
+    (cell,) = outcome.cells
+    assert "2 ended before all points were reached" in cell.sentence
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert "3 of 3 runs ended early, the first at t = 5 s: it counts up to there" in report
+    assert "2 of 3 runs ended early: what is missing counts as beyond the limit and outside" in report
+    assert report.count("data:image/png;base64") == 3
+
+
+def test_runs_that_end_at_once_are_answered_with_a_report(tmp_path):
+    outcome = flown(tmp_path, REQUIREMENT, ends_at=0.05)
+    assert not outcome.passed and outcome.report.is_file()
