@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas
 
 Frames = Mapping[tuple[str, float], "pandas.DataFrame"]
-"""Recordings by algorithm and step; they share their points in time."""
+"""Recordings by algorithm and step; they share their points in time, as far as FMUs let them come."""
 
 
 def comparable(frames: Frames) -> tuple[list[str], tuple[str, ...]]:
@@ -55,6 +55,8 @@ def difference(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) 
     """
     import numpy as np
 
+    if problem := ended(frame, reference):
+        return np.nan, np.nan, problem
     both = valid(frame, name) & valid(reference, name)
     a, b = (each[name].to_numpy()[both] for each in (frame, reference))
     if not len(a):
@@ -70,6 +72,14 @@ def difference(frame: pandas.DataFrame, reference: pandas.DataFrame, name: str) 
     if not np.isfinite(rms):
         return np.nan, np.nan, "differs by more than a number can hold"
     return rms, float(np.max(np.abs(error))), ""
+
+
+def ended(frame: pandas.DataFrame, reference: pandas.DataFrame) -> str:
+    """Why two runs cannot be compared of which an FMU has ended one too early, or ""."""
+    last, smallest = (float(each.index[-1]) for each in (frame, reference))
+    if last != smallest:
+        return f"is recorded up to {last:g} s, and up to {smallest:g} s at the smallest step"
+    return "" if len(frame) > 1 else f"is recorded at t = {last:g} s only"
 
 
 def span(frame: pandas.DataFrame, name: str) -> float:

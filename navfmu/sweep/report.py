@@ -89,7 +89,7 @@ def picture(result: Sweep) -> bytes:
             if axis.get_legend_handles_labels()[0]:
                 axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
             else:
-                told = "values that are not finite" if findings(result) else "no error above rounding"
+                told = "what cannot be compared" if findings(result) else "no error above rounding"
                 axis.annotate(told, (0.5, 0.5), xycoords="axes fraction", ha="center", color=GREY)
         axes[0].set_ylabel("rms error, % of the signal's range")
         axes[0].annotate(

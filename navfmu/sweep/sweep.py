@@ -107,8 +107,7 @@ def _run_all(
         jobs = 1  # one process, one instance
     order = sorted(runs, key=lambda key: -steps[key])
     frames = dict(in_threads(order, lambda key: runs[key].run(board.of(key, steps[key])), jobs, board))
-    rows = min(len(frame) for frame in frames.values())  # fewer where an FMU has ended a run
-    return {key: frames[key].iloc[:rows] for key in runs}
+    return {key: frames[key] for key in runs}
 
 
 def _checked_steps(steps: Sequence[float]) -> list[float]:

@@ -6,6 +6,7 @@ import threading
 import warnings
 
 import numpy as np
+import pandas
 import pytest
 
 from navfmu import System
@@ -16,6 +17,8 @@ from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
 from navfmu.engine.reference import Reference
 from navfmu.errors import NavfmuError
+from navfmu.sweep.compare import difference
+from navfmu.sweep.recommendation import recommendation
 from navfmu.sweep.sweep import sweep
 from tests.engine.probe import probe
 
@@ -128,6 +131,26 @@ def test_a_sweep_compares_up_to_the_first_end(file):
     )
     assert any("ended the run at t = 0.9 s" in note for note in result.notes)
     assert {row.rms for row in result.rows} == {0.0}
+
+
+@pytest.mark.parametrize("longest", [0.3, 0.05])
+def test_a_step_at_which_the_fmu_ends_the_run_at_once_is_not_recommended(file, longest):
+    """All runs were cut to the shortest, and one point without an error recommended every step."""
+    parameters = {"stepper.u": 1.0, "stepper.longest": longest}
+    result = sweep(System.load(file).experiment(stop=2.0, step=0.1, parameters=parameters), [0.1, 0.2, 0.4])
+    text = recommendation(result)
+    if longest < 0.1:
+        assert "Use" not in text and "x is recorded at t = 0 s only (gauss_seidel, 0.1 s, 0.2 s, 0.4 s)" in text
+        return
+    assert {row.step for row in result.problems} == {0.4}
+    assert "Use gauss_seidel with steps up to 0.2 s" in text
+    assert "At 0.4 s: stepper.x is recorded up to 0 s, and up to 2 s at the smallest step" in text
+
+
+def test_a_run_that_should_have_ended_is_not_like_one_that_has():
+    short, long = (pandas.DataFrame({"a.y": [1.0] * count}, index=np.arange(count) * 0.5) for count in (3, 5))
+    short.attrs["units"] = long.attrs["units"] = {}
+    assert difference(long, short, "a.y")[2] == "is recorded up to 2 s, and up to 1 s at the smallest step"
 
 
 # -- one instance in a process -----------------------------------------------------------------------------------------
