@@ -39,7 +39,7 @@ np.interp({n}, [-1.0, 0.5, 2.0], [3.0, -1.0, 0.5]); np.interp({n}, [0.0, 1.0], [
 np.interp({n}, [-1, 0, 1], [-0.0, 0.0, -0.0], left=-7.0, right=nan); np.interp({n}, [0.0, 1.0], {v}[:2], right=-1)
 np.sum({n}); np.sum({m}, axis=0); np.sum({m}, axis=1); np.mean({n}); np.prod({n}); {m}.prod(axis=0); {v}.mean()
 np.sum(np.tile({v}, 3)); np.sum(np.tile({v}, 60)); np.sum(np.tile({m}, (9, 5)), axis=0); np.sum({v} * 1.0, initial={c})
-np.max({v} * 1.0, initial={c}); np.prod({v} * 1.0, initial={c}); sum({v})
+np.prod({v} * 1.0, initial={c}); sum({v})
 np.cumsum({v}); np.cumprod({v}); np.cumsum({m}, axis=1); np.cumsum({m}); np.diff({v}); np.diff({v}, prepend=0.0)
 np.trace({m}); np.linalg.trace({m}); np.any({n}); np.all({b}); np.all({m}, axis=1); {b}.any()
 np.count_nonzero({n}); np.sum({b}); np.mean({b}); np.prod({b}); np.cumsum({b}); np.polyval([{c}, 2.0], {n})
@@ -64,7 +64,7 @@ np.zeros_like({n}) + {n}; np.ones_like({n}) * {n}; np.full_like({v}, {s}); -np.z
 _ANY_ZERO = """
 np.fmax({n}, {n}); np.fmin({n}, {n}); np.max({n}); np.min({n}); np.amax({v}); np.amin({m}, axis=1); np.max({m}, axis=0)
 {m}.min(axis=1); np.clip({n}, {n}, {n}); np.clip({n}, {c}, {c}); np.clip({n}, None, {n}); np.clip({n}, {c}, None)
-{v}.clip({c}, {v})
+np.max({v} * 1.0, initial={c}); {v}.clip({c}, {v})
 """
 #: Sums of products: NumPy leaves their order to a library; here each begins at 0 and goes from the first to the last.
 _PRODUCTS = {

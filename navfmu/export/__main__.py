@@ -24,17 +24,30 @@ from navfmu.errors import NavfmuError
     help="host, all, or a list such as x86_64-linux,win64.",
 )
 @click.option("--twins/--no-twins", default=True, show_default=True, help="Build the Python twins too.")
+@click.option(
+    "--pictures/--no-pictures",
+    default=True,
+    show_default=True,
+    help="Draw icons, and run each FMU's example for its page.",
+)
 @click.option("--systems", help="Folder of systems to pack into OUT/*.ssp when all FMUs are built.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Compilers at a time; as many as there are processors.")
 def main(
-    names: tuple[str, ...], folder: str, out: str, platforms: str, twins: bool, systems: str | None, jobs: int | None
+    names: tuple[str, ...],
+    folder: str,
+    out: str,
+    platforms: str,
+    twins: bool,
+    pictures: bool,
+    systems: str | None,
+    jobs: int | None,
 ) -> None:
     """Build FMUs from components: all that the modules in a folder define, or only those NAMEd.
 
     An FMU that has not changed is taken from the cache.
     """
     try:
-        _build(names, folder, Path(out), platforms, twins, jobs)
+        _build(names, folder, Path(out), platforms, twins, pictures, jobs)
         if systems and not names:
             from navfmu.ssp.discovery import pack
 
@@ -45,7 +58,9 @@ def main(
         sys.exit(2)
 
 
-def _build(names: tuple[str, ...], folder: str, out: Path, platforms: str, twins: bool, jobs: int | None) -> None:
+def _build(
+    names: tuple[str, ...], folder: str, out: Path, platforms: str, twins: bool, pictures: bool, jobs: int | None
+) -> None:
     from navfmu.export.build import build_all
     from navfmu.export.discovery import choose, components
     from navfmu.terminal.progress import Progress
@@ -53,7 +68,8 @@ def _build(names: tuple[str, ...], folder: str, out: Path, platforms: str, twins
     started = time.monotonic()
     chosen = choose(components(folder), names)
     with Progress("building FMUs") as progress:
-        built = build_all(chosen, out, platforms.split(","), jobs, progress, twins=out / "python" if twins else None)
+        folder_of_twins = out / "python" if twins else None
+        built = build_all(chosen, out, platforms.split(","), jobs, progress, folder_of_twins, pictures)
     for item in built:
         state = "unchanged" if item.unchanged else f"{item.path.stat().st_size / 1000:.0f} kB"
         click.echo(f"{item.path}  {state}")

@@ -9,6 +9,8 @@ from pathlib import Path
 from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
 
+#: Stands in what is generated until the GUID, a hash of it, is known.
+NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 #: Folders below ``binaries/`` for each platform in FMI 2.0; where it has no name, the platform tuple of FMI 3.0.
 FOLDERS = {
     "x86_64-linux": "linux64",

@@ -1,4 +1,4 @@
-"""From components to .fmu files: trace, generate, compile for each platform, document, pack; each once."""
+"""From components to .fmu files: trace, generate, compile for each platform, illustrate, pack; each once."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, codegen, description, ir, life, toolchain
+from navfmu.export import archive, codegen, description, documentation, ir, life, toolchain
 from navfmu.export.fingerprint import fingerprint
-from navfmu.export.icon import icon
+from navfmu.export.illustration import Illustration, illustrate
 from navfmu.files import cache
 from navfmu.files.writing import write_file
 
@@ -24,7 +24,6 @@ RUNTIME = Path(__file__).parent / "runtime"
 LICENSES = Path(__file__).parent / "licenses"
 #: What the compiler is given; it includes the other files.
 UNITS = ("fmu.c",)
-_NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 
 #: ``progress(done, total, note)``
 Progress = Callable[[int, int, str], None]
@@ -55,13 +54,15 @@ def build(
     platforms: Iterable[str] | str = ("host",),
     jobs: int | None = None,
     progress: Progress | None = None,
+    pictures: bool = True,
 ) -> list[Path]:
     """Build one FMU for each component class (or lowered model) and return their paths, in order.
 
     ``platforms`` are ``"host"``, ``"all"`` or platform names of FMI 2 or FMI 3. What has not changed is taken from the
     user's cache: a finished FMU when its sources are the same, else each library when its C code is.
+    Without ``pictures`` there is no icon and no example run in the documentation; then nothing runs on this machine.
     """
-    return [built.path for built in build_all(models, out_dir, platforms, jobs, progress)]
+    return [built.path for built in build_all(models, out_dir, platforms, jobs, progress, pictures=pictures)]
 
 
 def build_all(
@@ -71,6 +72,7 @@ def build_all(
     jobs: int | None = None,
     progress: Progress | None = None,
     twins: str | Path | None = None,
+    pictures: bool = True,
 ) -> list[Built]:
     """Like :func:`build`, and say which FMUs were unchanged; with ``twins`` write the Python twins to that folder."""
     models = [models] if isinstance(models, ir.Model | type) else list(models)
@@ -88,22 +90,27 @@ def build_all(
                 name = item.name if component is None else component.layout.name
                 lowered: list[ir.Model] = [] if component else [item]
                 show(len(done), total, f"tracing {name}")
-                key = fingerprint(component, "native", *tuples) if component else None
+                key = fingerprint(component, "native", *_kind(pictures), *tuples) if component else None
                 path = out_dir / f"{name}.fmu"
                 if key and _take(key, path):
                     done[i, "native"] = Built(path, True)
                 else:
                     lowered = lowered or [_lower(component)]
                     sources = prepare(lowered[0], component)
-                    futures = {p: pool.submit(library, sources, p) for p in (*tuples, toolchain.host())}
+                    needed = dict.fromkeys([*tuples, toolchain.host()] if pictures else tuples)
+                    futures = {platform: pool.submit(library, sources, platform) for platform in needed}
                     waiting.append((i, sources, futures, key))
                 if twins and component:
-                    done[i, "twin"] = _twin(component, lowered, Path(twins))
+                    done[i, "twin"] = _twin(component, lowered, Path(twins), pictures)
             for i, sources, futures, key in waiting:
                 while wait(futures.values(), timeout=0.5).not_done:
                     show(len(done), total, f"compiling {sources.model.name}")
                 libraries = {platform: future.result() for platform, future in futures.items()}
-                path = pack(sources, libraries, tuples, out_dir / f"{sources.model.name}.fmu")
+                shown = None
+                if pictures:
+                    example = getattr(sources.component, "example", None)
+                    shown = illustrate(sources.model, sources.guid, libraries[toolchain.host()], example)
+                path = pack(sources, libraries, tuples, out_dir / f"{sources.model.name}.fmu", shown)
                 _keep(key, path)
                 done[i, "native"] = Built(path, False)
                 show(len(done), total, sources.model.name)
@@ -130,16 +137,21 @@ def _lower(component: type) -> ir.Model:
     return lower(component)
 
 
-def _twin(component: type, lowered: list[ir.Model], folder: Path) -> Built:
+def _kind(pictures: bool) -> list[str]:
+    """Return what keeps FMUs with and without pictures apart in the cache."""
+    return [] if pictures else ["without pictures"]
+
+
+def _twin(component: type, lowered: list[ir.Model], folder: Path, pictures: bool) -> Built:
     from navfmu.export.twin import build_twin
 
     path = folder / f"{component.layout.name}.fmu"
-    key = fingerprint(component, "twin")
+    key = fingerprint(component, "twin", *_kind(pictures))
     if key and _take(key, path):
         return Built(path, True)
     if not lowered:
         lowered.append(_lower(component))
-    build_twin(component, folder, model=lowered[0])
+    build_twin(component, folder, model=lowered[0], pictures=pictures)
     _keep(key, path)
     return Built(path, False)
 
@@ -151,15 +163,17 @@ def prepare(model: ir.Model, component: type | None = None) -> Sources:
     """Generate the C code and the description of a model; the GUID is a hash of all that the binary depends on."""
     runtime = {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("*.[ch]"))}
     runtime["life.h"] = life.header()
+    code = codegen.generate(model, archive.NO_GUID)
+    xml = description.describe(model, archive.NO_GUID, sources=UNITS)
     guid = archive.guid(
-        codegen.generate(model, _NO_GUID),
-        description.describe(model, _NO_GUID, sources=UNITS),
+        code,
+        xml,
         *(part for item in runtime.items() for part in item),
         " ".join(toolchain.FLAGS),
         toolchain.version(),
     )
-    files = {"model.c": codegen.generate(model, guid), **runtime}
-    return Sources(model, guid, files, description.describe(model, guid, sources=UNITS), component)
+    files = {"model.c": code.replace(archive.NO_GUID, guid), **runtime}
+    return Sources(model, guid, files, xml.replace(archive.NO_GUID, guid), component)
 
 
 def library(sources: Sources, platform: str) -> Path:
@@ -179,19 +193,23 @@ def library(sources: Sources, platform: str) -> Path:
     return cache.keep("compiled", f"{digest.hexdigest()[:32]}-{platform}", fill) / name
 
 
-def pack(sources: Sources, libraries: dict[str, Path], platforms: Iterable[str], path: Path) -> Path:
-    """Write the FMU with the libraries for ``platforms``; the library of this machine makes the response picture."""
-    from navfmu.export import documentation, response
-
+def pack(
+    sources: Sources,
+    libraries: dict[str, Path],
+    platforms: Iterable[str],
+    path: Path,
+    shown: Illustration | None = None,
+) -> Path:
+    """Write the FMU with the libraries for ``platforms``, and what it is shown with."""
     model = sources.model
-    example = getattr(sources.component, "example", None)
-    run = response.step_response(model, sources.guid, libraries[toolchain.host()], example)
+    run = shown.response if shown else None
     page = documentation.page(model, run, [sources.component] if sources.component else [])
     files: dict[str, bytes | str] = {
         "modelDescription.xml": sources.description,
-        "model.png": icon(model.name),
         "documentation/index.html": page,
     }
+    if shown:
+        files["model.png"] = shown.icon
     files |= {f"documentation/licenses/{name}": text for name, text in _licenses().items()}
     files |= {f"sources/{name}": text for name, text in sources.files.items()}
     files |= {f"resources/{table.name}.csv": codegen.table_text(table) for table in model.tables}

@@ -20,6 +20,7 @@ from navfmu.export.component import Component
 from navfmu.export.icon import icon
 from navfmu.export.imports import imports
 
+_NO_NAME = "a_twin_without_a_name"  # stands in the module until its name, which has a hash of it, is known
 _HEAD = '''"""Python twin of the component {name}: the model, its interpreter and its random numbers in one file.
 
 Generated from the sources below; each is loaded under a name that no other FMU uses.
@@ -242,7 +243,7 @@ def _license() -> str:
     return next(file.read_text(encoding="utf-8") for file in files if file.name.upper().startswith("LICENSE"))
 
 
-def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
+def _entries(component: type[Component], model: ir.Model, pictures: bool) -> dict[str, bytes]:
     """Return the files of the archive: path to content."""
     import pythonfmu
 
@@ -252,20 +253,20 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
         raise NavfmuError(
             f"component {component.__qualname__} has a Python twin only if its class stands at the top of a module"
         )
-    categories = life.categories()
-    text = module_text(component, "", categories)
-    guid = archive.guid(text, description.describe(model, ""), pythonfmu.__version__)
+    text = module_text(component, _NO_NAME, life.categories())
+    xml = description.describe(model, archive.NO_GUID, needs_execution_tool=True, can_interpolate_inputs=False)
+    guid = archive.guid(text, xml, pythonfmu.__version__)
     unique = f"{model.name}_{guid[1:-1].replace('-', '')[:16]}"
-    xml = description.describe(model, guid, needs_execution_tool=True, can_interpolate_inputs=False)
     folder = Path(pythonfmu.__file__).parent
     entries = {
-        "modelDescription.xml": xml.encode(),
-        "model.png": icon(model.name),
+        "modelDescription.xml": xml.replace(archive.NO_GUID, guid).encode(),
         "documentation/index.html": documentation.page(model, None, [component], twin=True).encode(),
         "documentation/licenses/pythonfmu.txt": _license().encode(),
         "resources/slavemodule.txt": unique.encode(),
-        f"resources/{unique}.py": module_text(component, unique, categories).encode(),
+        f"resources/{unique}.py": text.replace(_NO_NAME, unique).encode(),
     }
+    if pictures:
+        entries["model.png"] = icon(model.name)
     for file in sorted(folder.glob("*.py")):
         entries[f"resources/pythonfmu/{file.name}"] = file.read_bytes()
     for file in sorted(folder.glob("resources/binaries/*/*")):
@@ -274,13 +275,15 @@ def _entries(component: type[Component], model: ir.Model) -> dict[str, bytes]:
     return entries
 
 
-def build_twin(component: type[Component], out_dir: str | Path, *, model: ir.Model | None = None) -> Path:
+def build_twin(
+    component: type[Component], out_dir: str | Path, *, model: ir.Model | None = None, pictures: bool = True
+) -> Path:
     """Write ``out_dir/NAME.fmu``, the PythonFMU twin of a component; the same inputs give the same bytes.
 
-    ``model`` is the lowered component, if the caller has it already.
+    ``model`` is the lowered component, if the caller has it already. Without ``pictures`` there is no icon.
     """
     if model is None:
         from navfmu.export.lower import lower
 
         model = lower(component)
-    return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model))
+    return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model, pictures))

@@ -72,6 +72,46 @@ def test_two_builds_in_two_folders_give_the_same_bytes(tmp_path):
     assert results[0] == results[1]
 
 
+def test_without_pictures_nothing_is_drawn_and_nothing_runs_here(tmp_path, empty_cache):
+    code = (
+        "import sys; sys.modules['matplotlib'] = None; from navfmu.export import build, toolchain;"
+        "from tests.export.components import Sensor; from navfmu.export.build import build_all;"
+        "toolchain.host = None; out, twins = sys.argv[1:];"
+        "build_all([Sensor], out, 'win64', twins=twins, pictures=False)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path), str(tmp_path / "python")], cwd=ROOT, check=True)
+    found = names(tmp_path / "sensor.fmu")
+    assert "binaries/win64/sensor.dll" in found and "documentation/index.html" in found
+    assert "model.png" not in found and "model.png" not in names(tmp_path / "python" / "sensor.fmu")
+    assert not [name for name in found if "linux" in name]
+
+
+def test_pictures_are_all_that_a_build_without_them_lacks(tmp_path):
+    (with_pictures,) = build(Sensor, tmp_path)
+    (without,) = build(Sensor, tmp_path / "plain", pictures=False)
+    assert set(names(with_pictures)) - set(names(without)) == {"model.png"}
+    with zipfile.ZipFile(with_pictures) as one, zipfile.ZipFile(without) as other:
+        different = [name for name in other.namelist() if one.read(name) != other.read(name)]
+    assert different == ["documentation/index.html"]
+
+
+def test_code_and_description_are_generated_once_for_all_platforms(tmp_path, empty_cache, monkeypatch):
+    calls = []
+    for module, name in ((building.codegen, "generate"), (building.description, "describe")):
+        original = getattr(module, name)
+
+        def counted(*arguments, name=name, original=original, **options):
+            calls.append(name)
+            return original(*arguments, **options)
+
+        monkeypatch.setattr(module, name, counted)
+    (path,) = build(Sensor, tmp_path, ("host", "win64"), pictures=False)
+    assert sorted(calls) == ["describe", "generate"]
+    with zipfile.ZipFile(path) as archive:
+        guid = fmpy.read_model_description(path).guid
+        assert guid in archive.read("sources/model.c").decode() and "00000000-" not in guid
+
+
 def test_an_unchanged_fmu_is_neither_traced_nor_compiled(tmp_path, empty_cache, monkeypatch):
     first = build_all([Sensor, Source], tmp_path, twins=tmp_path / "python")
     assert [built.unchanged for built in first] == [False] * 4
