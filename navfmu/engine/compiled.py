@@ -430,6 +430,10 @@ class Compiled:
 
     def _configure(self, number: int, part: Part) -> None:
         fmu = self._fmus[number]
+        stop = self.plan.clock.time(self.plan.clock.steps)
+        tolerance = part.component.description.tolerance
+        given = (0, 0.0) if tolerance is None else (1, tolerance)
+        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, *given, 0.0, 1, stop)
         for kind, values in part.settings.items():
             if values.names:
                 ctype = {"Real": c_double, "String": c_char_p}.get(kind, c_int)
@@ -437,10 +441,6 @@ class Compiled:
                 array = (ctype * len(encoded))(*encoded)
                 references = (ctypes.c_uint32 * len(encoded))(*values.references.tolist())
                 self._call(number, f"fmi2Set{kind}", fmu.set[kind], references, len(encoded), array)
-        stop = self.plan.clock.time(self.plan.clock.steps)
-        tolerance = part.component.description.tolerance
-        given = (0, 0.0) if tolerance is None else (1, tolerance)
-        self._call(number, "fmi2SetupExperiment", fmu.setup_experiment, *given, 0.0, 1, stop)
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:

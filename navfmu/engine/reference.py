@@ -353,11 +353,11 @@ class Reference:
         self._fmus.append(fmu)
 
     def _configure(self, number: int, part: Part) -> None:
+        stop = self.plan.clock.time(self.plan.clock.steps)
+        self._call(number, "setupExperiment", part.component.description.tolerance, 0.0, stop)
         for kind, settings in part.settings.items():
             if settings.names:
                 self._call(number, f"set{kind}", settings.references.tolist(), settings.values)
-        stop = self.plan.clock.time(self.plan.clock.steps)
-        self._call(number, "setupExperiment", part.component.description.tolerance, 0.0, stop)
         self._call(number, "enterInitializationMode")
 
     def _call(self, number: int, name: str, *arguments: Any) -> Any:

@@ -1,6 +1,7 @@
 /* A test FMU that takes FMI at its word where others do not: x' = u in one explicit step.
    - With noSetFMUStatePriorToCurrentPoint false each step starts from the state that was last certain.
    - `direct` is gain * u + bias, in initialisation mode, too; `fixed` is what the parameter `bias` says.
+   - fmi2SetupExperiment begins anew: what was set before is forgotten, as FMUs made with 20-sim do.
    - At `ends_at` + `spread` * `seed` it wants no more: fmi2DoStep is discarded. `stubborn`: it does not say that this
      is an end. A step longer than `longest` is an end before it has begun.
    Value references of each type start at 0; see stepper.py. */
@@ -20,14 +21,26 @@ typedef struct {
     const fmi2CallbackFunctions *callbacks;
 } Stepper;
 
+static void begin(Stepper *s) {
+    const fmi2CallbackFunctions *callbacks = s->callbacks;
+    memset(s, 0, sizeof *s);
+    s->callbacks = callbacks;
+    s->r[GAIN] = 1.0;
+    s->r[ENDS_AT] = s->r[LONGEST] = 1e9;
+}
+
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     (void)name, (void)type, (void)guid, (void)resources, (void)visible, (void)logging;
     Stepper *s = callbacks->allocateMemory(1, sizeof *s);
     s->callbacks = callbacks;
-    s->r[GAIN] = 1.0;
-    s->r[ENDS_AT] = s->r[LONGEST] = 1e9;
+    begin(s);
     return s;
+}
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e, fmi2Real f) {
+    (void)a, (void)b, (void)d, (void)e, (void)f;
+    begin(c);
+    return fmi2OK;
 }
 void fmi2FreeInstance(fmi2Component c) {
     if (c) ((Stepper *)c)->callbacks->freeMemory(c);
@@ -101,7 +114,6 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 #define REFUSED(name, ...) \
     fmi2Status name(__VA_ARGS__) { return fmi2Error; }
 GRANTED(fmi2SetDebugLogging, fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[])
-GRANTED(fmi2SetupExperiment, fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e, fmi2Real f)
 GRANTED(fmi2EnterInitializationMode, fmi2Component c)
 GRANTED(fmi2ExitInitializationMode, fmi2Component c)
 GRANTED(fmi2Terminate, fmi2Component c)

@@ -39,6 +39,19 @@ def file(tmp_path):
     return write(tmp_path / "stepper.fmu", canGetAndSetFMUstate="true")
 
 
+# -- when are start values set? ----------------------------------------------------------------------------------------
+
+
+@KINDS
+def test_start_values_are_set_where_no_fmu_forgets_them(kind, file):
+    """FMUs made with 20-sim forget in fmi2SetupExperiment what was set before it."""
+    start = {"u": 1.0, "gain": 3.0, "bias": 0.5, "number": 4, "flag": True}
+    record = ["s.x", "s.direct", "s.fixed", "s.double", "s.not"]
+    with kind(make_plan([stepper("s", file, **start)], [], step=0.125, stop=1.0, record=record)) as engine:
+        whole = engine.run()
+    assert [whole[name][-1] for name in record] == [1.0, 3.5, 0.5, 8.0, 0.0]
+
+
 # -- may a state before the step be set again? -------------------------------------------------------------------------
 
 
