@@ -18,6 +18,7 @@ from navfmu.campaign.runs import Answer, Run, runs_of
 from navfmu.errors import Interrupted, NavfmuError, check_progress, nearest
 from navfmu.files.writing import TEMPORARY
 from navfmu.system.pool import Board, Report, in_threads
+from navfmu.system.result import check_folder
 
 WORKERS = ("process", "thread")
 
@@ -38,7 +39,7 @@ def run_campaign(
     or in ``threads``. A run that takes longer than ``timeout`` (s, processes only) has failed. Runs that failed stay
     so, unless ``retry_failed``.
     """
-    from navfmu.campaign.report import write_report
+    from navfmu.campaign.report import FILES, write_report
 
     if workers not in WORKERS:
         raise NavfmuError(f"unknown workers '{workers}'{nearest(workers, WORKERS)} (there are {' and '.join(WORKERS)})")
@@ -47,8 +48,8 @@ def run_campaign(
         raise NavfmuError(f"the timeout is {timeout:g} s, expected a positive number")
     if timeout is not None and workers == "thread":
         raise NavfmuError("a timeout needs worker processes: a thread that hangs cannot be ended")
-    folder = Path(folder).absolute()  # an FMU in a thread may make another folder the current one
-    runs = runs_of(campaign)
+    folder, runs = check_folder(folder, *FILES), runs_of(campaign)
+    check_folder(folder / "runs", *(file.name for run in runs for file in run.files(folder)))
     with _alone(folder):
         _tidy(folder)
         answers, mended = _kept(runs, folder)

@@ -23,6 +23,7 @@ from navfmu.system.report_file import missing
 
 Note = Callable[[int, int], None]  # sections drawn, sections to draw
 PICTURED = 12  # cells of the matrix with pictures; the tables have all of them
+FILES = ("runs.csv", "runs.parquet", "verdicts.csv", "campaign.json", "report.html")
 
 
 def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Path:

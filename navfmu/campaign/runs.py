@@ -38,6 +38,10 @@ class Run:
         """The file that says how it ended; it is written last."""
         return folder / "runs" / f"{self.key}.json"
 
+    def files(self, folder: Path) -> tuple[Path, ...]:
+        """All that it may leave behind."""
+        return self.answer(folder), self.recording(folder), self.recording(folder, whole=False)
+
 
 @dataclass(frozen=True)
 class Answer:

@@ -25,7 +25,7 @@ def command(system: str, out: str | None, report: str | None, **given: Any) -> N
     from navfmu.terminal.progress import Progress
 
     target = None if out is None else result.check_target(out)
-    folder = None if report is None else result.check_folder(report)
+    folder = None if report is None else result.check_folder(report, "report.html", "recording.parquet")
     loaded, given = load(system, given)
     if folder is not None:
         from navfmu.system.run_report import to_record, write_report

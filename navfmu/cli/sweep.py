@@ -19,13 +19,13 @@ from navfmu.cli.options import load, numbers, system_options, tell
 @click.option("--out", metavar="DIR", help="Write table, picture and report into this folder.")
 def command(system: str, steps: str, tolerance: float, jobs: int | None, out: str | None, **given: Any) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
-    from navfmu.sweep.report import write_report
+    from navfmu.sweep.report import FILES, write_report
     from navfmu.sweep.show import show
     from navfmu.sweep.sweep import sweep
     from navfmu.system.result import check_folder
     from navfmu.terminal.progress import Progress
 
-    folder = None if out is None else check_folder(out)
+    folder = None if out is None else check_folder(out, *FILES)
     sizes = numbers(steps, "--steps")
     loaded, given = load(system, given)
     experiment = loaded.experiment(step=min(sizes), **given)

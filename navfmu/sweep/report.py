@@ -16,6 +16,7 @@ from navfmu.sweep.recommendation import findings, recommendation
 from navfmu.sweep.result import ALGORITHMS, Sweep
 
 SHOWN = 6  # signals in the picture
+FILES = ("sweep.csv", "sweep.json", "sweep.png", "report.html")
 
 
 def write_report(result: Sweep, folder: str | Path) -> Path:

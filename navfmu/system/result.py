@@ -23,7 +23,10 @@ SUFFIXES = (".parquet", ".csv")
 
 def check_target(path: str | Path) -> Path:
     """The absolute path of a result file; one that could not be written is refused, before the run and not after."""
-    return check_file(path, *SUFFIXES)
+    path = check_file(path, *SUFFIXES)
+    if path.suffix.lower() == ".csv":
+        check_folder(path.parent, f"{path.name}.json")
+    return path
 
 
 def check_file(path: str | Path, *suffixes: str) -> Path:
@@ -43,8 +46,11 @@ def check_file(path: str | Path, *suffixes: str) -> Path:
     return path.absolute()
 
 
-def check_folder(folder: str | Path) -> Path:
-    """The absolute path of a folder to write into; what neither is one nor could become one is refused."""
+def check_folder(folder: str | Path, *files: str) -> Path:
+    """The absolute path of a folder to write into; what neither is one nor could become one is refused.
+
+    And so is what stands in it where one of the ``files`` will be written: before the work, and not after it.
+    """
     if not str(folder).strip():
         raise NavfmuError("the name of the folder to write into is empty")
     folder = Path(folder)
@@ -53,6 +59,10 @@ def check_folder(folder: str | Path) -> Path:
         raise NavfmuError(f"{folder}: cannot be written: {existing} is not a folder")
     if not os.access(existing, os.W_OK):
         raise NavfmuError(f"{folder}: cannot be written: no permission to write to {existing}")
+    for file in files:
+        found = what_is(folder / file)
+        if found not in ("a file", None):
+            raise NavfmuError(f"{folder / file}: is {found}, where a file is to be written; move it away")
     return folder.absolute()
 
 

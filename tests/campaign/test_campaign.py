@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from navfmu import System
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.requirement import Requirement, judge, wilson
+from navfmu.campaign.runs import runs_of
 from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from tests.components import systems
@@ -439,3 +440,17 @@ def test_a_sentence_never_looks_like_the_opposite_of_its_verdict():
     )
     assert told(requirement(most=926.0), 926.04) == "926.04 m" and told(requirement(most=1852.0), 1852.3) == "1852.3 m"
     assert told(requirement(most=926.0), 1403.2) == "1403 m"
+
+
+@pytest.mark.parametrize("place", ["answer", "recording", "partial", "report.html", "runs.csv"])
+def test_what_is_in_the_way_of_a_file_is_told_before_anything_is_flown(done, tmp_path, monkeypatch, place):
+    plan, out = load_campaign(done[0]), tmp_path / "out"
+    run = runs_of(plan)[-1]
+    places = {"answer": run.answer(out), "recording": run.recording(out), "partial": run.recording(out, whole=False)}
+    file = places.get(place, out / place)
+    file.mkdir(parents=True)
+    monkeypatch.setattr("navfmu.campaign.executor.fly", lambda *_: pytest.fail("it was flown"))
+    with pytest.raises(NavfmuError) as caught:
+        run_campaign(plan, out, 1, workers="thread")
+    assert str(caught.value) == f"{file}: is a folder, where a file is to be written; move it away"
+    assert [found for found in out.rglob("*") if found.is_file()] == []

@@ -300,3 +300,27 @@ def test_the_tools_of_the_checkout_refuse_what_they_do_not_know(tmp_path):
     refused(CliRunner().invoke(evidence, ["closure", "--out", str(tmp_path / "file" / "e")]), "is not a folder")
     refused(CliRunner().invoke(documents, ["everything"]), "unexpected extra argument")
     assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+IN_THE_WAY = {
+    "run": (["--report"], ["report.html", "recording.parquet"]),
+    "sweep": (["--steps", "0.1,0.2", "--out"], ["sweep.csv", "sweep.json", "sweep.png", "report.html"]),
+}
+
+
+@pytest.mark.parametrize(("command", "name"), [(c, name) for c, (_, names) in IN_THE_WAY.items() for name in names])
+def test_a_folder_in_the_way_of_a_result_is_told_before_the_run(command, name, tmp_path, monkeypatch):
+    from navfmu.system.experiment import Experiment
+
+    (tmp_path / name).mkdir()
+    monkeypatch.setattr(Experiment, "run", lambda *_: pytest.fail("it was run"))
+    words = [command, systems.tracker(), *IN_THE_WAY[command][0], tmp_path]
+    refused(navfmu(*words), f"{tmp_path / name}: is a folder, where a file is to be written")
+
+
+def test_a_folder_in_the_way_of_what_stands_beside_a_csv_file_is_told_before_the_run(tmp_path):
+    (tmp_path / "a.csv.json").mkdir()
+    refused(
+        navfmu("run", systems.tracker(), "--out", tmp_path / "a.csv"), "a.csv.json: is a folder, where a file is to"
+    )
+    assert not (tmp_path / "a.csv").exists()
