@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-HOSTS = ("fmpy", "navfmu")
 Answer = dict[str, list[float]]  # the times (s) under "time", and the values of each output
 
 

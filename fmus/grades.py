@@ -34,22 +34,3 @@ GRADES: dict[str, dict[str, float]] = {
     "consumer": _grade(360.0, 300.0, 0.05, 2.4e-3, 100.0, 1e-3),
 }
 """Parameter values by grade; a parameter of three axes takes the same value on each."""
-
-GYROS: dict[str, dict[str, float]] = {
-    "horizon": {
-        "gyro_drift_sigma": 0.05 * DEG,
-        "gyro_drift_time": 1000.0,
-        "gyro_noise_sigma": 0.05 * DEG,
-    },
-    "dmu_6x": {
-        "gyro_drift_sigma": 0.05 * DEG,
-        "gyro_drift_time": 300.0,
-        "gyro_noise_sigma": 0.05 * DEG,
-    },
-    "fibre_optic": {
-        "gyro_drift_sigma": 0.0,
-        "gyro_drift_time": 1000.0,
-        "gyro_noise_sigma": 0.2 * DEG,
-    },
-}
-"""Rate gyros of thesis Table 3.1: Systron Donner Horizon, Crossbow DMU-6X, KVH and Crossbow FOG."""

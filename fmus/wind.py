@@ -13,7 +13,8 @@ class Wind(Component):
 
         d(dV)/dt_r = -dV / tau + w,   sigma = 5 m/s,  tau = 400 s
 
-    over the travelling time t_r of (3.35). In steady flight t_r is a multiple of time: 1 as the thesis's own analyses
+    over the travelling time t_r of (3.35), t_r^2 = t_N^2 + t_E^2 + t_D^2 + dt^2 with t_N = dp_N / V_N and so on for
+    the axes on which the aircraft moves. In steady flight t_r is a multiple of time: 1 as the thesis's own analyses
     take it (start value), sqrt(2) flying along one axis, sqrt(3) in level flight across both, 2 in a climb. It starts
     in its stationary distribution and is advanced exactly,
     dV <- phi dV + sigma sqrt(1 - phi^2) n with phi = exp(-ratio T / tau), every sample_period T, and held in between.

@@ -43,33 +43,6 @@ def euler(matrix):
     )
 
 
-def quaternion(roll, pitch, heading):
-    """Quaternion of C_nb from Euler angles."""
-    sr, cr = np.sin(0.5 * roll), np.cos(0.5 * roll)
-    sp, cp = np.sin(0.5 * pitch), np.cos(0.5 * pitch)
-    sh, ch = np.sin(0.5 * heading), np.cos(0.5 * heading)
-    return np.array(
-        [
-            cr * cp * ch + sr * sp * sh,
-            sr * cp * ch - cr * sp * sh,
-            cr * sp * ch + sr * cp * sh,
-            cr * cp * sh - sr * sp * ch,
-        ]
-    )
-
-
-def dcm_from_quaternion(q):
-    """C_nb from its quaternion; the transpose of thesis (5.51) with [2,2] = 1 - 2 (q1^2 + q2^2)."""
-    q0, q1, q2, q3 = q[0], q[1], q[2], q[3]
-    return np.array(
-        [
-            [1.0 - 2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)],
-            [2.0 * (q1 * q2 + q0 * q3), 1.0 - 2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)],
-            [2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), 1.0 - 2.0 * (q1 * q1 + q2 * q2)],
-        ]
-    )
-
-
 def euler_rates(rate_nb, roll, pitch):
     """Rates of roll, pitch and heading, rad/s, from the rate of b with respect to n in b: thesis (4.4)."""
     p, q, r = rate_nb[0], rate_nb[1], rate_nb[2]

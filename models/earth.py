@@ -58,16 +58,6 @@ def transport_rate(latitude, altitude, velocity_n):
     return np.array([east, -velocity_n[0] / (north_south + altitude), -east * np.tan(latitude)])
 
 
-def position_rate(latitude, altitude, velocity_n):
-    """Rates of latitude (rad/s), longitude (rad/s), altitude (m/s) from the velocity in n, m/s: thesis (A.2), (A.3)."""
-    north_south, east_west = radii(latitude)
-    return (
-        velocity_n[0] / (north_south + altitude),
-        velocity_n[1] / ((east_west + altitude) * np.cos(latitude)),
-        -velocity_n[2],
-    )
-
-
 def to_ecef(latitude, longitude, altitude):
     """Position in e, m."""
     _, east_west = radii(latitude)

@@ -9,8 +9,3 @@ def sense(true, scale_factor, null_shift, drift, noise):
     b_0 is the null shift (constant after turn-on), b_1 the drift (Gauss-Markov, (3.4), (3.5)), b_w wide-band noise.
     """
     return (1.0 + scale_factor) * true + null_shift + drift + noise
-
-
-def angle_random_walk(noise_sigma, sample_frequency):
-    """Growth of the angle from integrated rate noise, rad/sqrt(s): sigma_w / sqrt(f_s), thesis (B.10), appendix B."""
-    return noise_sigma / sample_frequency**0.5

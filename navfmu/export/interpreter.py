@@ -271,12 +271,6 @@ class Interpreter:
         for reference, value in zip(references, values, strict=True):
             self.values[reference] = value != 0 if kind == "Boolean" else value
 
-    def set_derivative(self, name: str | int, value: Any) -> None:
-        """Set the slope of a continuous Real input over the coming step."""
-        references, shape = self._references(name)
-        values = np.broadcast_to(np.asarray(value, float), shape).ravel().tolist()
-        self.set_derivatives(references, [1] * len(references), values)
-
     def set_derivatives(self, references: Sequence[int], orders: Sequence[int], values: Sequence[float]) -> None:
         """Set derivatives of inputs for the coming step; it does not matter whether the values come before or after."""
         self._allow("fmi2SetRealInputDerivatives")

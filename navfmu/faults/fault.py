@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
@@ -197,8 +196,3 @@ def _toml(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_toml(item) for item in value)}]"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
-
-
-def is_number(value: object) -> bool:
-    """True for a real number, also one of NumPy, that is not a Boolean and not NaN."""
-    return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)

@@ -132,13 +132,13 @@ def test_a_jump_of_the_sequence_is_counted_as_lost():
 def test_inputs_are_interpolated_at_ticks_and_only_over_the_coming_step():
     run = running(TwoRates)
     run.set("u", 10.0)
-    run.set_derivative("u", 2.0)
+    run.set_derivatives([run.layout.index("u")], [1], [2.0])
     run.do_step(0.0, 0.25)
     assert run.get("sampled") == 10.0 + 2.0 * 0.2
     assert run.get("u") == 10.0
     run.do_step(0.25, 0.1)
     assert run.get("sampled") == 10.0
-    run.set_derivative("u", 2.0)
+    run.set_derivatives([run.layout.index("u")], [1], [2.0])
     run.set("u", 20.0)
     run.do_step(0.35, 0.1)
     assert run.get("sampled") == 20.0 + 2.0 * (0.4 - 0.35), "the derivative holds, also when the value comes after it"
@@ -272,7 +272,7 @@ def test_what_cannot_be_set_now_is_refused():
             run.set(name, value)
         assert part in str(caught.value)
     with pytest.raises(NavfmuError, match="continuous Real input"):
-        run.set_derivative("gain", 1.0)
+        run.set_derivatives([run.layout.index("gain")], [1], [1.0])
     run.terminate()
     with pytest.raises(NavfmuError, match="after fmi2Terminate"):
         run.set("gain", 1.0)

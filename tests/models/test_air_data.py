@@ -81,7 +81,8 @@ def test_without_errors_the_chain_returns_the_true_airspeed(altitude, day):
     assert run.get("air.temperature") == pytest.approx(temperature, abs=1e-9)
     if day == (0.0, 101325.0):
         assert run.get("air.pressure_altitude") == pytest.approx(atmosphere.geopotential(altitude), abs=1e-6)
-        density_ratio = atmosphere.density(atmosphere.pressure(altitude), temperature) / atmosphere.DENSITY
+        density = atmosphere.density(atmosphere.pressure(altitude), temperature)
+        density_ratio = density / atmosphere.density(atmosphere.PRESSURE, atmosphere.TEMPERATURE)
         equivalent = run.get("air.true_airspeed") * np.sqrt(density_ratio)
         assert run.get("air.calibrated_airspeed") == pytest.approx(equivalent, rel=2e-3)
 

@@ -67,13 +67,3 @@ def test_rates_agree_with_navpy():
         np.ravel(navpy.navrate(*velocity, np.degrees(latitude), altitude)),
         rtol=1e-12,
     )
-    expected = np.ravel(navpy.llarate(*velocity, latitude, altitude, lat_unit="rad"))
-    np.testing.assert_allclose(earth.position_rate(latitude, altitude, velocity)[:2], expected[:2], rtol=1e-12)
-    assert earth.position_rate(latitude, altitude, velocity)[2] == -2.0
-
-
-def test_position_rate_is_the_motion_in_ecef():
-    position, velocity, dt = np.array([0.66, -2.1, 900.0]), np.array([40.0, 25.0, -3.0]), 1e-2
-    rate = np.array(earth.position_rate(position[0], position[2], velocity))
-    moved = earth.to_ecef(*(position + rate * dt)) - earth.to_ecef(*(position - rate * dt))
-    assert np.linalg.norm(moved) / (2 * dt) == pytest.approx(np.linalg.norm(velocity), rel=1e-7)

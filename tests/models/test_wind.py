@@ -5,7 +5,6 @@ import pytest
 from scipy import stats
 
 from fmus.wind import Wind
-from models import wind
 from tests.models.native import Native, interpret
 
 COUNT = 400
@@ -66,12 +65,3 @@ def test_the_wind_is_held_between_samples():
     np.testing.assert_array_equal(run.get("wind_n"), first)
     run.do_step(0.05, 0.05)
     assert np.all(run.get("wind_n")[:2] != first[:2])
-
-
-@pytest.mark.parametrize(
-    ("velocity", "ratio"),
-    [((0, 0, 0), 1.0), ((46, 0, 0), 2**0.5), ((30, -30, 0), 3**0.5), ((30, 20, -3), 2.0)],
-)
-def test_travelling_time_in_steady_flight_is_a_multiple_of_time(velocity, ratio):
-    velocity = np.array(velocity, float)
-    assert wind.travelling_time(velocity * 12.0, velocity, 12.0) == pytest.approx(12.0 * ratio, rel=1e-14)
