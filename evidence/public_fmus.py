@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evidence.one_fmu import Answer
+from evidence.one_fmu import Answer, Start
 from evidence.section import Section, left_out
 from navfmu.errors import NavfmuError
 from navfmu.files.digest import content_hash
@@ -34,6 +34,7 @@ HEADING = "Public FMUs"
 VARIABLE = "NAVFMU_PUBLIC_FMUS"
 STEPS = 200  # at most
 STEP, STOP = 0.01, 1.0  # s, of FMUs that suggest none
+FURTHER, MORE = 0.25, 1.01  # what start values of inputs are raised by, those of parameters multiplied with
 TIMEOUT = 120.0  # s, for one FMU in one host
 EQUAL = 1e-9
 """Up to this part of a signal's range two numbers are the same: times of FMPy and ours differ in the last place."""
@@ -135,21 +136,39 @@ def experiment(about: Description) -> tuple[float, float]:
     return step * max(1, min(STEPS, round((about.stop_time or STOP) / step))), step
 
 
+def other_start(about: Description) -> Start:
+    """Start values of Real inputs and parameters that are not the FMU's own, to see whether a host sets them."""
+    chosen = {}
+    for variable in about.variables:
+        if variable.type == "Real" and variable.causality in ("input", "parameter"):
+            own = variable.start or 0.0
+            value = own + FURTHER if variable.causality == "input" else own * MORE
+            least = -math.inf if variable.min is None else variable.min
+            greatest = math.inf if variable.max is None else variable.max
+            if value != own and least <= value <= greatest:
+                chosen[variable.name] = value
+    return chosen
+
+
 def both(name: str, path: Path, about: Description, place: Path) -> Outcome:
-    """Run one FMU in both hosts."""
+    """Run one FMU in both hosts, with other start values than its own where it runs with them."""
     stop, step = experiment(about)
-    fmpy, here = (answer(host, path, stop, step, place) for host in ("fmpy", "navfmu"))
-    return Outcome(name, about.generation_tool, step, fmpy, here)
+    start = other_start(about)
+    fmpy = answer("fmpy", path, stop, step, start, place)
+    if start and isinstance(fmpy, str):
+        start = {}
+        fmpy = answer("fmpy", path, stop, step, start, place)
+    return Outcome(name, about.generation_tool, step, fmpy, answer("navfmu", path, stop, step, start, place))
 
 
-def answer(host: str, path: Path, stop: float, step: float, place: Path) -> Answer | str:
+def answer(host: str, path: Path, stop: float, step: float, start: Start, place: Path) -> Answer | str:
     """What one FMU gives in one host, or how its process ended."""
     folder = Path(tempfile.mkdtemp(dir=place))  # FMUs of others write into the working folder
-    words = [sys.executable, "-m", "evidence.one_fmu", host, str(path.resolve()), repr(stop), repr(step), "answer"]
+    words = [sys.executable, "-m", "evidence.one_fmu", host, str(path.resolve()), repr(stop), repr(step)]
     paths = [str(Path(__file__).resolve().parents[1]), os.environ.get("PYTHONPATH", "")]
     try:
         ended = subprocess.run(
-            words,
+            [*words, json.dumps(start), "answer"],
             cwd=folder,
             env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
             capture_output=True,
@@ -187,6 +206,8 @@ def section(outcomes: Sequence[Outcome]) -> Section:
         counts = {kind: sum(outcome.verdict == kind for outcome in outcomes) for kind in kinds}
         page.text(
             f"{len(outcomes)} FMUs: " + ", ".join(f"{count} {kind}" for kind, count in counts.items() if count) + ". "
+            f"Where that runs, Real inputs start {FURTHER:g} higher and Real parameters {MORE - 1:.0%} higher than the "
+            "FMU says. "
             f"Equal: all outputs within {EQUAL:g} of their range at every communication point."
         )
         page.table(

@@ -15,6 +15,7 @@ from benchmarks.contest import Contest
 from evidence import __main__ as command
 from evidence import closure, headline, public_fmus, real_flights, speed, step_sizes
 from evidence.section import Section
+from navfmu.fmi.fmu import describe
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
 from tests.foreign.habits import lag, replaced
@@ -194,6 +195,12 @@ def test_public_fmus_run_in_both_hosts_each_in_a_process_of_its_own(monkeypatch,
     text = text_of(section)
     assert "2 FMUs: 1 equal, 1 refused by both." in text and "ended its process with code -11" in text
     assert all(claim.holds for claim in section.claims)
+
+
+def test_public_fmus_start_with_other_values_than_their_own(tmp_path):
+    assert public_fmus.other_start(describe(lag(tmp_path))) == {"u": 2.25, "tau": 1.01}
+    file = lag(tmp_path, replaced(('start="2"', 'start="2" max="2.1"')))
+    assert public_fmus.other_start(describe(file)) == {"tau": 1.01}
 
 
 @pytest.mark.parametrize(
