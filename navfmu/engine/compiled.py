@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable
-from contextlib import suppress
-from ctypes import CDLL, POINTER, byref, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.engine import single, structures
+from navfmu.engine import floating, single, structures
 from navfmu.engine.blackbox import BlackBox, Memory
 from navfmu.engine.effect import EFFECT
 from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
-from navfmu.engine.library import binary
 from navfmu.engine.link import TYPES
+from navfmu.engine.loading import engine_library, load
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, warned
-from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Log, Master
+from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Master
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
 from navfmu.fmi.functions import OPTIONAL
@@ -31,28 +31,6 @@ from navfmu.fmi.functions import OPTIONAL
 MAY_LACK = {*ASKED, *(name for names in OPTIONAL.values() for name in names)}
 _CALLS = (c_char_p * len(NAMES))(*(name.encode() for name in NAMES))
 Progress = Callable[[int, int], None]  # called with the steps made and the steps of the run
-
-
-@cache
-def engine_library() -> CDLL:
-    """The engine's C library, checked to mean the same structures as this file."""
-    path = binary()
-    library = _load(path, "the engine's binary")
-    structures.check(library, f"the engine's binary {path}")
-    library.initialise.argtypes = [POINTER(Master)]
-    library.advance.argtypes = [POINTER(Master), c_int64]
-    library.prepare_callbacks.argtypes = [POINTER(Callbacks), POINTER(Log)]
-    library.prepare_callbacks.restype = None
-    library.watch.argtypes = [c_void_p, c_void_p, c_void_p, c_double]
-    library.watch.restype = None
-    return library
-
-
-def _load(path: Path, what: str) -> CDLL:
-    try:
-        return CDLL(str(path))
-    except OSError as error:
-        raise NavfmuError(f"{what} {path} cannot be loaded: {str(error).removeprefix(f'{path}: ')}") from None
 
 
 @cache
@@ -72,7 +50,7 @@ class Fmi2:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.library = _load(path, "the binary")
+        self.library = load(path, "the binary")
         texts = [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
         self.instantiate = self._function("fmi2Instantiate", *texts, result=c_void_p)
         self.free_instance = self._function("fmi2FreeInstance", c_void_p, result=None)
@@ -215,18 +193,20 @@ class Compiled:
         self._terminated, refused = True, []
         for number, fmu in enumerate(self._fmus):
             if number not in self._refused:
-                self._at(number, "fmi2Terminate")
-                status = fmu.terminate(self._components[number].instance)
-                self._nowhere()
+                with self._calling(number, "fmi2Terminate"):
+                    status = fmu.terminate(self._components[number].instance)
                 refused += [(number, status)] if status > WARNING else []
         for number, status in refused:
             self._refuse(number, "fmi2Terminate", status, self.plan.clock.time(self.k), whole)
 
+    @floating.ordinary()
     def recording(self) -> Recording:
         """What has been recorded so far."""
+        lost = self._count_lost()
         notes = ended(self.plan, self._master.ended, self.k, self._master.last)
         notes += warned(self.plan, self._logs, [component.warnings for component in self._components])
-        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, self._count_lost())
+        notes += floating.strayed(self.plan, [component.strayed for component in self._components])
+        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -235,9 +215,8 @@ class Compiled:
             if counters:
                 references = (ctypes.c_uint32 * len(counters))(*(counter.reference for counter in counters))
                 values = (c_int * len(counters))()
-                self._at(number, "fmi2GetInteger")
-                status = fmu.get_integer(self._components[number].instance, references, len(counters), values)
-                self._nowhere()
+                with self._calling(number, "fmi2GetInteger"):
+                    status = fmu.get_integer(self._components[number].instance, references, len(counters), values)
                 if status <= WARNING:
                     name = self.plan.parts[number].component.name
                     self._lost |= {f"{name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
@@ -299,9 +278,8 @@ class Compiled:
         self._snapshots.remove(snapshot)
         for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=False)):
             if number not in self._fatal:
-                self._at(number, "fmi2FreeFMUstate")
-                fmu.free_state(self._components[number].instance, byref(state))
-        self._nowhere()
+                with self._calling(number, "fmi2FreeFMUstate"):
+                    fmu.free_state(self._components[number].instance, byref(state))
         self._may_go_back()
 
     def _may_go_back(self) -> None:
@@ -318,11 +296,10 @@ class Compiled:
         for number, fmu in enumerate(self._fmus):
             instance = self._components[number].instance
             if instance and number not in self._fatal:
-                self._at(number, "fmi2FreeInstance")
-                fmu.free_instance(instance)
+                with self._calling(number, "fmi2FreeInstance"):
+                    fmu.free_instance(instance)
                 single.give_back(self.plan.parts[number].component)
             self._components[number].instance = None
-        self._nowhere()
         self._fmus = []
 
     # ---- preparation -------------------------------------------------------------------------------------------------
@@ -378,13 +355,13 @@ class Compiled:
         )
 
     def _fill(self, number: int, to: structures.Component, part: Part) -> None:
-        self._at(number, "the loading of its binary")
         try:
-            fmu = fmi2(part.component.fmu.library)
-            fmu.check(part.component.description)
+            with self._calling(number, "the loading of its binary"):
+                fmu = fmi2(part.component.fmu.library)
+                fmu.check(part.component.description)
         except NavfmuError as error:
             raise NavfmuError(f"component '{part.component.name}': {error}") from None
-        self._nowhere()
+        to.strayed = 0  # a library is loaded once in a process: notes must not depend on what ran before
         self._fmus.append(fmu)
         for name, address in fmu.addresses.items():
             setattr(to, name, address)
@@ -419,9 +396,8 @@ class Compiled:
         resources = resource_uri(component.fmu.folder).encode()
         texts = (component.name.encode(), 1, component.description.guid.encode(), resources)  # 1: co-simulation
         single.take(component)
-        self._at(number, "fmi2Instantiate")
-        instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
-        self._nowhere()
+        with self._calling(number, "fmi2Instantiate"):
+            instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         if not instance:
             single.give_back(component)
             said = log.complaint() or "it gave no reason"
@@ -444,16 +420,22 @@ class Compiled:
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
-        self._at(number, name)
-        status = function(self._components[number].instance, *arguments)
-        self._nowhere()
+        with self._calling(number, name):
+            status = function(self._components[number].instance, *arguments)
         if status > WARNING:
             self._refuse(number, name, status, self.plan.clock.time(self.k), None)
 
-    def _at(self, number: int, name: str) -> None:
-        """Leave word of the call that comes now."""
+    @contextmanager
+    def _calling(self, number: int, name: str) -> Iterator[None]:
+        """Leave word of the call that comes now, and see that it leaves nothing behind."""
         self._place.component, self._place.call = number, NAMES.index(name)
         self._watch()
+        with floating.ordinary():
+            try:
+                yield
+            finally:
+                self._components[number].strayed |= floating.make_ordinary()
+                self._nowhere()
 
     def _nowhere(self) -> None:
         """Leave word that the call came back."""

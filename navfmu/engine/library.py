@@ -21,11 +21,14 @@ SOURCE = HERE / "source"
 EXPORT = HERE.parent / "export"
 RUNTIME = EXPORT / "runtime"  # FMI headers and the noise that FMUs use
 UNITS = (
-    *(SOURCE / f"{name}.c" for name in ("master", "jacobi", "gauss_seidel", "callbacks", "layout", "guard")),
+    *(
+        SOURCE / f"{name}.c"
+        for name in ("master", "jacobi", "gauss_seidel", "callbacks", "floating", "layout", "guard")
+    ),
     RUNTIME / "noise.c",
 )
 HEADERS = (
-    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects", "initial")),
+    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects", "floating", "initial")),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )
 

@@ -16,12 +16,12 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
-from navfmu.engine import single
-from navfmu.engine.compiled import engine_library
+from navfmu.engine import floating, single
 from navfmu.engine.initial import GIVE, LEAVE, READ
 from navfmu.engine.injector import Injector
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
+from navfmu.engine.loading import engine_library
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, room, warned
 from navfmu.engine.structures import (
@@ -51,12 +51,16 @@ class Snapshot:
 
 
 class FMU2Counting(FMU2Slave):
-    """FMPy's instance (which wants a name like this), which also counts the calls that returned Warning."""
+    """FMPy's instance (which wants a name like this), which also sees what calls leave behind."""
 
-    warnings = 0
+    warnings = 0  # calls that returned Warning
+    strayed = 0  # what they changed of how this thread calculates
 
     def _call(self, fname: str, *args: Any) -> Any:
-        result = super()._call(fname, *args)
+        try:
+            result = super()._call(fname, *args)
+        finally:
+            self.strayed |= floating.make_ordinary()
         self.warnings += fname in LOOP.values() and fname not in ASKED and result == WARNING
         return result
 
@@ -68,6 +72,7 @@ class _Ended(Exception):
 class Reference:
     """One run of a plan."""
 
+    @floating.ordinary()
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.k = 0
@@ -103,6 +108,7 @@ class Reference:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @floating.ordinary()
     def initialise(self) -> None:
         """Set start values and bring every component to t = 0."""
         for number, part in enumerate(self.plan.parts):
@@ -113,6 +119,7 @@ class Reference:
         self._record()
         self._initialised = True
 
+    @floating.ordinary()
     def advance(self, until: int | None = None) -> None:
         """Run to communication point ``until`` (default: the end)."""
         end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
@@ -138,6 +145,7 @@ class Reference:
         self.terminate(whole)
         return whole
 
+    @floating.ordinary()
     def terminate(self, whole: Recording | None = None) -> None:
         """End the run; a refusal is one of the run."""
         if self._terminated or not self._initialised:
@@ -151,12 +159,14 @@ class Reference:
                     error.recording = whole
                     raise
 
+    @floating.ordinary()
     def recording(self) -> Recording:
         """What has been recorded so far."""
-        rows = self.rows[: self.k // self.plan.record_every + 1].copy()
+        rows, lost = self.rows[: self.k // self.plan.record_every + 1].copy(), self._count_lost()
         counts = [fmu.warnings for fmu in self._fmus] or [0] * len(self.plan.parts)
         notes = ended(self.plan, self._ended, self.k, self._last) + warned(self.plan, self._logs, counts)
-        return recording(self.plan, rows, notes, self._count_lost())
+        notes += floating.strayed(self.plan, [fmu.strayed for fmu in self._fmus] or [0] * len(self.plan.parts))
+        return recording(self.plan, rows, notes, lost)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -290,6 +300,7 @@ class Reference:
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
+    @floating.ordinary()
     def snapshot(self) -> Snapshot:
         """The state of the whole run, to come back to with ``restore``."""
         for part in self.plan.parts:
@@ -301,6 +312,7 @@ class Reference:
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
         return Snapshot(self.k, states, *lists, injectors)
 
+    @floating.ordinary()
     def restore(self, snapshot: Snapshot) -> None:
         """Go back (or forward) to a snapshot of this engine."""
         for number, state in enumerate(snapshot.states):
@@ -311,12 +323,14 @@ class Reference:
         self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
         self.begin = [list(begin) for begin in snapshot.begin]
 
+    @floating.ordinary()
     def free(self, snapshot: Snapshot) -> None:
         """Release the memory of a snapshot."""
         self._snapshots -= 1
         for fmu, state in zip(self._fmus, snapshot.states, strict=True):
             fmu.freeFMUstate(state)
 
+    @floating.ordinary()
     def close(self) -> None:
         """Terminate and free all instances."""
         with suppress(RunError):
@@ -341,6 +355,8 @@ class Reference:
             )
         except Exception as error:  # also of a library that lacks a function, whether or not it is needed
             raise NavfmuError(f"component '{component.name}': FMPy cannot load its binary: {error}") from None
+        finally:
+            floating.make_ordinary()
         callbacks = fmi2CallbackFunctions()
         engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))
         single.take(component)

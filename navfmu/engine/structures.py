@@ -50,6 +50,12 @@ NAMES = tuple(CALLS.values())
 LOOP = {name.lower(): function for name, function in list(CALLS.items())[: list(CALLS).index("LOAD")]}
 #: Those of them that are called only after a step was discarded; an FMU may lack them.
 ASKED = (LOOP["get_boolean_status"], LOOP["get_real_status"])
+#: The enumeration Stray: what an FMU can change of how its thread calculates; each with its number, and in words.
+STRAYS = {
+    "ROUNDING": (1, "how numbers are rounded"),
+    "SUBNORMALS": (2, "what becomes of subnormal numbers"),
+    "TRAPS": (4, "which calculations end the process"),
+}
 DONE, FAILED, INTERRUPTED = range(3)
 WARNING = 1  # the last status after which a run goes on
 DISCARD = 2
@@ -118,6 +124,8 @@ class Component(Structure):
         *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
         *((name, c_int32) for name in ("first_effect", "effects")),
         ("warnings", c_int64),
+        ("strayed", c_int32),
+        ("look", c_int32),
     ]
 
 
@@ -159,6 +167,8 @@ def here() -> Iterator[Row]:
         yield "EffectKind", name, getattr(effect, name), 0
     for name in ("READ", "GIVE", "LEAVE"):
         yield "MoveKind", name, getattr(initial, name), 0
+    for name, (number, _) in STRAYS.items():
+        yield "Stray", name, number, 0
     for number, name in enumerate(CALLS):
         yield "Call", name, number, 0
 

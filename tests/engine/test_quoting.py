@@ -15,8 +15,10 @@ from click.testing import CliRunner
 from navfmu import NavfmuError, NavfmuWarning, System
 from navfmu.cli.main import main
 from navfmu.engine import compiled, reference
+from navfmu.engine.loading import engine_library
 from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
+from navfmu.engine.structures import Callbacks, Log
 from navfmu.errors import LENGTH, quoted, visible
 from tests.campaign.wreck import SHOUT, wreck
 from tests.components import systems
@@ -57,9 +59,9 @@ def test_a_loud_fmu(engine):
 
 def test_characters_are_counted_and_none_is_halved():
     """They need up to four bytes; the engine keeps 2047 bytes of a message."""
-    log = compiled.Log()
-    callbacks = compiled.Callbacks()
-    compiled.engine_library().prepare_callbacks(callbacks, log)
+    log = Log()
+    callbacks = Callbacks()
+    engine_library().prepare_callbacks(callbacks, log)
     call = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(callbacks.logger)
 
     def say(text):

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "effects.h"
+#include "floating.h"
 
 /* Kept out of the way of the calls that succeed and of components without faults. */
 #if defined(__GNUC__)
@@ -20,6 +21,28 @@ static RARELY int failed(Master *m, Component *c, fmi2Status status) {
     }
     m->status = status;
     return 1;
+}
+
+/* Once it has strayed it may do so again. */
+static RARELY void straighten(Component *c) {
+    c->look = 1;
+    c->strayed |= strayed(floating());
+    set_floating(ORDINARY);
+}
+
+/* It has been called: how it left this thread to calculate is not how others do. */
+static inline void called(Component *c) {
+    if (uncommon()) straighten(c);
+}
+
+static RARELY void look(Component *c) {
+    if (floating() != ORDINARY) straighten(c);
+    c->look = c->strayed != 0;
+}
+
+/* The last call to it for now: the register is read, too, when that is due. */
+static inline void called_last(Component *c) {
+    if (uncommon() | c->look) look(c);
 }
 
 /* The component that is called from now on. */
@@ -100,6 +123,7 @@ static inline int set_smooth(Master *m, Component *c) {
     size_t count = (size_t)c->smooth.count;
     TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, count, c->start));
     TRY(SET_DERIVATIVES, c->set_derivatives(c->instance, c->smooth.references, count, c->first_order, c->slope));
+    called(c);
     begin_smooth(m, c);
     return 0;
 }
@@ -158,6 +182,7 @@ static RARELY void disturb(Master *m, Component *c, int64_t k) {
 /* Outputs at communication point k, with the faults of that point. */
 static inline int read_outputs(Master *m, Component *c, int64_t k) {
     if (read_into(m, c, c->effects ? m->signal + m->signals : m->signal)) return 1;
+    called_last(c);
     if (c->effects) disturb(m, c, k);
     return 0;
 }

@@ -9,6 +9,7 @@ static int set_initial(Master *m, Component *c) {
     begin_smooth(m, c);
     if (c->smooth.count)
         TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, (size_t)c->smooth.count, c->start));
+    look(c);
     return set_held(m, c, 1);
 }
 
@@ -33,6 +34,7 @@ static int read_one(Master *m, Component *c, const Move *v) {
         *to = boolean != 0;
         break;
     }
+    look(c);
     if (c->effects) disturb(m, c, 0);
     return 0;
 }
@@ -58,9 +60,9 @@ static int leave_initialization(Master *m, Component *c) {
 
 static int make_move(Master *m, const Move *v) {
     Component *c = at(m, v->component);
-    if (v->kind == READ) return read_one(m, c, v);
-    if (v->kind == GIVE) return give_one(m, c, v);
-    return leave_initialization(m, c);
+    int failed = v->kind == READ ? read_one(m, c, v) : v->kind == GIVE ? give_one(m, c, v) : leave_initialization(m, c);
+    look(c);
+    return failed;
 }
 
 #endif

@@ -6,6 +6,7 @@ int jacobi(Master *m) {
     for (int i = 0; i < m->components; i++) {
         Component *c = at(m, i);
         if (set_held(m, c, 0)) return 1;
+        called(c);
     }
     for (int i = 0; i < m->components; i++) {
         Component *c = at(m, i);

@@ -1,6 +1,7 @@
 /* Where the fields of the structures lie, so that a caller in another language can see that it means the same ones. */
 #include <stddef.h>
 
+#include "floating.h"
 #include "master.h"
 
 typedef struct {
@@ -34,6 +35,7 @@ static const Field FIELDS[] = {
     FIELD(Component, integers), FIELD(Component, booleans), FIELD(Component, first_signal),
     FIELD(Component, real_reference), FIELD(Component, integer_reference), FIELD(Component, boolean_reference),
     FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, warnings),
+    FIELD(Component, strayed), FIELD(Component, look),
 
     WHOLE(Place), FIELD(Place, k), FIELD(Place, rows), FIELD(Place, component), FIELD(Place, call),
 
@@ -52,6 +54,8 @@ static const Field FIELDS[] = {
     VALUE(EffectKind, NOISE),
 
     VALUE(MoveKind, READ), VALUE(MoveKind, GIVE), VALUE(MoveKind, LEAVE),
+
+    VALUE(Stray, ROUNDING), VALUE(Stray, SUBNORMALS), VALUE(Stray, TRAPS),
 
     VALUE(Call, SET_REAL), VALUE(Call, SET_INTEGER), VALUE(Call, SET_BOOLEAN), VALUE(Call, SET_DERIVATIVES),
     VALUE(Call, GET_REAL), VALUE(Call, GET_INTEGER), VALUE(Call, GET_BOOLEAN), VALUE(Call, DO_STEP),

@@ -17,8 +17,7 @@ static int outside(Master *m, int result) {
     return result;
 }
 
-/* From initialisation mode to t = 0. */
-API int initialise(Master *m) {
+static int begin(Master *m) {
     m->place->k = 0;
     drive(m, 0);
     for (const Move *v = m->move; v < m->move + m->moves; v++)
@@ -27,13 +26,18 @@ API int initialise(Master *m) {
     return outside(m, DONE);
 }
 
-/* Run to communication point `until`. Can be called again and again; memory is only touched, never allocated. */
-API int advance(Master *m, int64_t until) {
+/* From time to time, counted in steps, so that the same is seen in every run. */
+static void look_again(Master *m) {
+    for (int i = 0; i < m->components; i++) m->component[i].look = 1;
+}
+
+static int go_on(Master *m, int64_t until) {
     Place *place = m->place;
     int64_t row = place->k / m->record_every + 1, next = row * m->record_every;
     int (*step)(Master *) = m->algorithm ? gauss_seidel : jacobi;
     while (place->k < until) {
         if (*(volatile int32_t *)&m->interrupt) return outside(m, INTERRUPTED);
+        if (!(place->k & 63)) look_again(m);
         if (step(m)) return m->status == fmi2OK ? outside(m, INTERRUPTED) : FAILED;
         place->k++;
         drive(m, place->k);
@@ -43,4 +47,22 @@ API int advance(Master *m, int64_t until) {
         }
     }
     return outside(m, DONE);
+}
+
+/* From initialisation mode to t = 0. */
+API int initialise(Master *m) {
+    uint64_t before = floating();
+    set_floating(ORDINARY);
+    int result = begin(m);
+    set_floating(before);
+    return result;
+}
+
+/* Run to communication point `until`. Can be called again and again; memory is only touched, never allocated. */
+API int advance(Master *m, int64_t until) {
+    uint64_t before = floating();
+    set_floating(ORDINARY);
+    int result = go_on(m, until);
+    set_floating(before);
+    return result;
 }

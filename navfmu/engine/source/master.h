@@ -79,6 +79,8 @@ typedef struct {
 
     int32_t first_effect, effects;
     int64_t warnings;             /* calls that returned fmi2Warning */
+    int32_t strayed;              /* what it has changed of how this thread calculates; see floating.h */
+    int32_t look;                 /* whether the register is to be read for this after the next step */
 } Component;
 
 /* Calls to an FMU: those of the loop first, then those that the caller of the loop makes. */
