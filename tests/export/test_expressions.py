@@ -152,7 +152,7 @@ class Corners(Component):
 
 def _both(component, folder):
     """Return an instance of the native FMU and the interpreter."""
-    (path,) = build(component, folder)
+    (path,) = build(component, folder, pictures=False)
     return Slave(Unzipped(path, folder / "unzipped")), Interpreter(component)
 
 
