@@ -39,7 +39,7 @@ np.interp({n}, [-1.0, 0.5, 2.0], [3.0, -1.0, 0.5]); np.interp({n}, [0.0, 1.0], [
 np.interp({n}, [-1, 0, 1], [-0.0, 0.0, -0.0], left=-7.0, right=nan); np.interp({n}, [0.0, 1.0], {v}[:2], right=-1)
 np.sum({n}); np.sum({m}, axis=0); np.sum({m}, axis=1); np.mean({n}); np.prod({n}); {m}.prod(axis=0); {v}.mean()
 np.sum(np.tile({v}, 3)); np.sum(np.tile({v}, 60)); np.sum(np.tile({m}, (9, 5)), axis=0); np.sum({v} * 1.0, initial={c})
-np.prod({v} * 1.0, initial={c}); sum({v})
+np.prod({v} * 1.0, initial={c}); sum({v}); np.sum(list({v}) * 3); np.mean(list({v}) * 5); np.max([{s}, {s}, {c}])
 np.cumsum({v}); np.cumprod({v}); np.cumsum({m}, axis=1); np.cumsum({m}); np.diff({v}); np.diff({v}, prepend=0.0)
 np.trace({m}); np.linalg.trace({m}); np.any({n}); np.all({b}); np.all({m}, axis=1); {b}.any()
 np.count_nonzero({n}); np.sum({b}); np.mean({b}); np.prod({b}); np.cumsum({b}); np.polyval([{c}, 2.0], {n})

@@ -512,6 +512,10 @@ def expressions(array: Any) -> list[Node]:
 _GLOBAL = RLock()  # one thread at a time changes what belongs to the whole process, and changes it back
 
 
+# NumPy asks no list how to reduce it: these take a list of traced values as the array that it stands for.
+_REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
+
+
 @contextmanager
 def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
     """While tracing, ``np.array`` and its kin return traced arrays, in ``modules`` also by names of their own."""
@@ -521,7 +525,8 @@ def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
 
 @contextmanager
 def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
-    originals = {name: getattr(np, name) for name in ("array", "asarray", "asanyarray", "ascontiguousarray", "full")}
+    making = ("array", "asarray", "asanyarray", "ascontiguousarray", "full")
+    originals = {name: getattr(np, name) for name in (*making, *_REDUCING)}
     by_name = [
         (module, alias, name)
         for module in modules
@@ -547,9 +552,16 @@ def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
             return np.broadcast_to(np.array(fill_value, *args, **kwargs), shape).copy()
         return originals["full"](shape, fill_value, *args, **kwargs)
 
+    def reducing(name: str) -> Callable:
+        def function(a: Any, *args: Any, **kwargs: Any) -> Any:
+            listed = isinstance(a, list | tuple) and contains_traced(a)
+            return originals[name](np.array(a) if listed else a, *args, **kwargs)
+
+        return function
+
     try:
         for name in originals:
-            setattr(np, name, full if name == "full" else replaced(name))
+            setattr(np, name, full if name == "full" else (reducing if name in _REDUCING else replaced)(name))
         for module, alias, name in by_name:
             setattr(module, alias, getattr(np, name))
         yield
