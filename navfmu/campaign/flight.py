@@ -61,5 +61,6 @@ def _keep(
         sha256=None if file is None else content_hash(file),
         notes=() if frame is None else tuple(other_notes(frame)),
         not_finite={} if frame is None else frame.attrs["not_finite"],
+        idle={} if frame is None else frame.attrs["idle"],
     )
     write_file(run.answer(folder), answer.text())

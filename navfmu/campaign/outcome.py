@@ -70,14 +70,23 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Whether every requirement holds everywhere, every run ended well, and every number is one."""
-        ended_well = not any(judged.error or judged.answer.not_finite for judged in self.runs)
+        """Whether every requirement holds everywhere, every run ended well, every number is one, every fault acted."""
+        ended_well = not any(j.error or j.answer.not_finite or j.answer.idle for j in self.runs)
         return ended_well and all(cell.passed for cell in self.cells)
 
     @property
     def notes(self) -> dict[str, int]:
         """What the runs noted, each sentence with the number of runs that did."""
         return dict(Counter(note for judged in self.runs for note in judged.answer.notes))
+
+    @property
+    def idle(self) -> dict[tuple[str, str, str, str], list[int]]:
+        """Faults that changed nothing: (variant, case, fault, why), with the seeds."""
+        found: dict[tuple[str, str, str, str], list[int]] = {}
+        for judged in self.runs:
+            for fault, why in judged.answer.idle.items():
+                found.setdefault((judged.run.variant, judged.run.case.name, fault, why), []).append(judged.run.seed)
+        return found
 
     @property
     def report(self) -> Path:
@@ -100,6 +109,7 @@ class Outcome:
             tail = {
                 "error": judged.error or "",
                 "not_finite": " ".join(judged.answer.not_finite),
+                "idle": " | ".join(f"{fault} {why}" for fault, why in judged.answer.idle.items()),
                 "notes": " | ".join(judged.answer.notes),
                 "recording": f"runs/{judged.answer.recording}" if judged.answer.recording else "",
             }
@@ -152,7 +162,7 @@ def _cell(
     if requirement.quantile is not None:
         return _quantile_cell(requirement, variant, case, group, folder, points)
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
-    held = sum(finding.held != requirement.expect_violated for _, finding in found)
+    held = sum(finding.held != requirement.expect_violated for j, finding in found if not j.answer.idle)
     total = len(group)
     passed = total > 0 and 100.0 * held / total >= requirement.runs - 1e-9
     worst = max(found, key=lambda pair: _badness(requirement, pair[1]), default=(None, None))
@@ -172,8 +182,9 @@ def _cell(
 
 def _ends(group: list[Judged], early: int) -> str:
     """What to say of runs that are not whole: "; 1 ended with an error; 2 ended before all points were reached"."""
-    failed = sum(j.error is not None for j in group)
+    failed, idle = sum(j.error is not None for j in group), sum(bool(j.answer.idle) for j in group)
     sentence = f"; {failed} ended with an error" if failed else ""
+    sentence += f"; in {idle} a fault changed nothing, which counts as not held" if idle else ""
     return sentence + (f"; {early} ended before all points were reached" if early else "")
 
 
@@ -214,7 +225,7 @@ def _quantile_cell(
     for number, row in enumerate(rows):
         values[number, : len(row["time"])] = row[requirement.signal]
     found = judge_quantile(requirement, points[window], values[:, window])
-    passed = found.passed and len(good) == len(group)
+    passed = found.passed and len(good) == len(group) and not any(j.answer.idle for j in group)
     early = sum(j.findings[requirement.id].missing > 0 for j in good)
     sentence = found.sentence + _ends(group, early)
     return Cell(requirement, variant, case.name, passed, found.held, len(group), sentence, good[found.most_wrong])

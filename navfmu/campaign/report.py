@@ -239,6 +239,11 @@ def _notes(result: Page, outcome: Outcome) -> None:
             where = [judged.run.variant, judged.run.case.name, str(judged.run.seed)]
             rows += [[*where, name, str(count)] for name, count in judged.answer.not_finite.items()]
         result.table(["variant", "case", "seed", "signal", "recorded points"], rows)
+    if outcome.idle:
+        result.heading("Faults that changed nothing")
+        result.text("What they should have done did not happen: such runs count as not held.")
+        rows = [[*where, seeds_text(seeds), why] for (*where, why), seeds in outcome.idle.items()]
+        result.table(["variant", "case", "fault", "seeds", "why"], rows)
     if outcome.notes:
         result.heading("Notes")
         result.items(f"{note} (in {count} of {len(outcome.runs)} runs)" for note, count in outcome.notes.items())

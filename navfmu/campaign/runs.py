@@ -57,6 +57,7 @@ class Answer:
     sha256: str | None  # of the recording
     notes: tuple[str, ...]
     not_finite: dict[str, int]  # signal -> recorded points at which it is NaN or infinite
+    idle: dict[str, str]  # faults that changed nothing, and why
 
     def text(self) -> str:
         """The content of its file, which ends with a hash of the rest."""

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.text import Text
 
 from navfmu.campaign.outcome import Cell, Judged, Outcome
+from navfmu.campaign.seeds import seeds_text
 from navfmu.terminal.console import console, one_line, say
 from navfmu.terminal.table import Column, Kind, Table
 
@@ -26,6 +27,9 @@ def show(outcome: Outcome) -> None:
         _told(out, "failed", f"{_run(judged)}: {judged.error}")
     for judged in [judged for judged in outcome.runs if judged.answer.not_finite][:SEEN]:
         _told(out, "not finite", f"{_run(judged)}: {', '.join(judged.answer.not_finite)}")
+    for (variant, case, fault, why), seeds in list(outcome.idle.items())[:SEEN]:
+        where = f"{variant}, {case}, seed {seeds_text(seeds)}"
+        _told(out, "did not happen", f"{where}: fault '{fault}' {why}")
     for note, count in outcome.notes.items():
         say(out, f"note: {note} (in {count} of {len(outcome.runs)} runs)", hang=2)
     for sentence in outcome.mended:

@@ -16,13 +16,13 @@ import numpy as np
 
 from navfmu.engine import floating, single, structures
 from navfmu.engine.blackbox import BlackBox, Memory
-from navfmu.engine.effect import EFFECT
+from navfmu.engine.effect import ECHO, EFFECT
 from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library, load
 from navfmu.engine.plan import Part, Plan
-from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, warned
+from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, unmoved, warned
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Master
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
@@ -127,6 +127,7 @@ class Compiled:
         self._disturbed = np.zeros(len(plan.signals), bool)  # whether a component's signals have faults
         for part in plan.parts:
             self._disturbed[part.first_signal : part.first_signal + part.signals] = part.effects > 0
+        self._effects = np.ascontiguousarray(plan.effects, EFFECT).copy()
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
@@ -206,7 +207,9 @@ class Compiled:
         notes = ended(self.plan, self._master.ended, self.k, self._master.last)
         notes += warned(self.plan, self._logs, [component.warnings for component in self._components])
         notes += floating.strayed(self.plan, [component.strayed for component in self._components])
-        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost)
+        over = self.k == self.plan.clock.steps or self._master.ended >= 0
+        idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over)
+        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -325,7 +328,8 @@ class Compiled:
             order=self._keep(np.array(plan.order), np.int32),
             move=self._keep(plan.initial, MOVE),
             moves=len(plan.initial),
-            effect=self._keep(plan.effects.copy(), EFFECT, changes=True),
+            effect=self._keep(self._effects, EFFECT, changes=True),
+            echo=self._keep(plan.echoes.copy(), ECHO, changes=True),
             signal=self._keep(signal.reshape(-1), np.float64, changes=True),
             components=len(plan.parts),
             signals=count,

@@ -10,6 +10,9 @@ SET     amount
 HOLD    the v of the last communication point before the first (of the first itself, if that is t = 0)
 NOISE   v + amount * z_j, z_j the j-th normal number of the effect's stream, j = floor(t_k / period)
 ======  ===========================================================================================
+
+An effect is *seen* when a bit is different because of it where somebody looks: a component takes the value, or it is
+recorded. The engines compare, at each point, what left with what would have left without the effect, until it is seen.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ import zlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -32,9 +36,10 @@ from navfmu.fmi.description import Variable
 from navfmu.fmi.values import check_range, quantity, rate, spread, typed
 
 ADD, RAMP, SET, HOLD, NOISE = range(5)
+NOW, NEXT, AHEAD, RECORDED = 1, 2, 4, 8  # who sees a signal, see enum Reader in source/master.h
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
 
-# One row of the fault table, laid out as struct Effect in source/master.h. The last two fields are its memory.
+# One row of the fault table, laid out as struct Effect in source/master.h.
 EFFECT = np.dtype(
     [
         ("kind", np.int32),
@@ -50,9 +55,17 @@ EFFECT = np.dtype(
         ("divisor", np.int64),
         ("memory", np.float64),  # HOLD: the value; NOISE: amount * z_j
         ("drawn", np.int64),  # NOISE: j of the memory, -1 before the first
+        ("readers", np.int32),  # who sees the signal: a sum of NOW, NEXT, AHEAD, RECORDED
+        ("first_echo", np.int32),  # rows of the table of echoes
+        ("echoes", np.int32),
+        ("until", np.int64),  # from this communication point on nothing can be seen of it any more
+        ("seen", np.int64),  # the communication point at which it is seen first, -1: not yet
+        ("before", np.float64),  # the signal before it, now
     ],
     align=True,
 )
+# A later effect on the same signal, as it would be without an earlier one; struct Echo in source/master.h.
+ECHO = np.dtype([("effect", np.int32), ("memory", np.float64), ("drawn", np.int64)], align=True)
 
 
 @dataclass(frozen=True)
@@ -209,19 +222,45 @@ def _amount(fault: Fault, component: Component, variable: Variable, parameter: s
     return float(number)
 
 
-def table(effects: list[Effect], slots: Mapping[tuple[str, str], int], clock: Clock, seed: int) -> np.ndarray:
-    """The effects as rows of ``EFFECT``, in their order; ``slots`` gives the signal of (component, variable)."""
+Key = tuple[str, str]  # component, variable
+
+
+def table(
+    effects: list[Effect], slots: Mapping[Key, int], readers: Mapping[Key, int], clock: Clock, seed: int
+) -> np.ndarray:
+    """The effects as rows of ``EFFECT``, in their order; ``slots`` and ``readers`` are by (component, variable)."""
     rows = np.zeros(len(effects), EFFECT)
     for row, effect in zip(rows, effects, strict=True):
         fault = effect.fault
         row["kind"], row["slot"] = effect.kind, slots[effect.component, effect.variable]
         row["first"], row["end"] = window(fault, clock)
         row["amount"], row["start"], row["lane"] = effect.amount, fault.start, effect.lane
-        row["divisor"], row["drawn"] = 1, -1
+        row["divisor"], row["drawn"], row["seen"] = 1, -1, -1
+        row["readers"] = NEXT if effect.driven else readers.get((effect.component, effect.variable), 0)
         if effect.kind == NOISE:
             row["seed"], row["stream"] = seed, STREAM_BASE + fault_stream(fault)
             row["multiplier"], row["divisor"] = _draws(fault, clock)
     return rows
+
+
+def echoes(rows: np.ndarray) -> np.ndarray:
+    """For each effect, in a row, those that act on the same signal after it; enters their places into ``rows``."""
+    on: dict[int, list[int]] = {}  # signal -> numbers of its effects
+    for number, slot in enumerate(rows["slot"].tolist()):
+        on.setdefault(slot, []).append(number)
+    kinds, firsts, ends = (rows[name].tolist() for name in ("kind", "first", "end"))
+    found: list[int] = []
+    for numbers in on.values():
+        for place, number in enumerate(numbers):
+            later = [other for other in numbers[place + 1 :] if ends[other] > firsts[number]]
+            until = max([ends[number], *(ends[other] for other in later if kinds[other] == HOLD)])  # it remembers
+            later = [other for other in later if firsts[other] < until]
+            rows["until"][number] = until
+            rows["first_echo"][number], rows["echoes"][number] = len(found), len(later)
+            found += later
+    table = np.zeros(len(found), ECHO)
+    table["effect"] = found
+    return table
 
 
 def window(fault: Fault, clock: Clock) -> tuple[int, int]:
@@ -237,11 +276,12 @@ def window(fault: Fault, clock: Clock) -> tuple[int, int]:
 
 
 def idle(
-    effects: Sequence[Effect], rows: np.ndarray, clock: Clock, undisturbed: Mapping[tuple[str, str], float]
+    effects: Sequence[Effect], rows: np.ndarray, clock: Clock, every: int, undisturbed: Mapping[Key, float]
 ) -> dict[str, str]:
-    """Faults that change nothing in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
+    """Faults that cannot change anything in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
 
-    ``rows`` is the ``table`` of the effects; ``undisturbed`` has the value of each driven variable without faults.
+    What depends on values is seen only by running (``unseen``). ``rows`` is the ``table`` of the effects, ``every`` the
+    steps between recorded points; ``undisturbed`` has the value of each driven variable without faults.
     """
     on: dict[tuple[str, str], list[int]] = {}  # variable -> numbers of its effects
     for number, effect in enumerate(effects):
@@ -251,25 +291,50 @@ def idle(
         for number in numbers:
             own = undisturbed.get(key) if len(numbers) == 1 else None
             later = [rows[other] for other in numbers if other > number]
-            reason = _idle(effects[number], rows[number], clock, own, later)
+            reason = _idle(effects[number], rows[number], clock, every, own, later)
             reasons.setdefault(effects[number].fault.id, []).append(reason)
     return {fault: found[0] for fault, found in reasons.items() if all(found)}
 
 
-def _idle(effect: Effect, row: np.void, clock: Clock, own: float | None, later: Sequence[np.void]) -> str:
+def _idle(effect: Effect, row: np.void, clock: Clock, every: int, own: float | None, later: Sequence[np.void]) -> str:
     """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway."""
     if row["first"] > clock.steps:
         return f"starts at {effect.fault.start:.9g} s, the run ends at {clock.time(clock.steps):.9g} s"
-    if row["first"] == clock.steps and (effect.driven or effect.kind == RAMP):
+    name, first, end = f"{effect.component}.{effect.variable}", int(row["first"]), min(row["end"], clock.steps + 1)
+    if not row["readers"]:
+        return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded"
+    if row["readers"] == RECORDED and -(-first // every) * every >= end:
+        return f"acts on '{name}', which is not connected, and at no point at which it is recorded"
+    still = effect.kind == RAMP and clock.time(clock.steps) <= effect.fault.start
+    if first == clock.steps and (still or not row["readers"] & (NOW | RECORDED)):
         return f"starts at {effect.fault.start:.9g} s, the last communication point"
     if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
         return "adds 0"
     if effect.driven and effect.amount == own:
-        return f"sets '{effect.component}.{effect.variable}' to {effect.amount:.9g}, which it is anyway"
-    end = min(row["end"], clock.steps + 1)
-    if any(other["kind"] == SET and other["first"] <= row["first"] and end <= other["end"] for other in later):
-        return f"is hidden: all the time another fault sets '{effect.component}.{effect.variable}'"
+        return f"sets '{name}' to {effect.amount:.9g}, which it is anyway"
+    before = takewhile(lambda other: other["kind"] != HOLD, later)  # which would remember it
+    if any(other["kind"] == SET and other["first"] <= first and end <= other["end"] for other in before):
+        return f"is hidden: all the time another fault sets '{name}'"
     return ""
+
+
+def unseen(faults: Sequence[Fault], seen: Sequence[int], clock: Clock, k: int) -> dict[str, str]:
+    """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
+
+    ``faults`` and ``seen`` are by effect.
+    """
+    acted = {fault.id for fault, point in zip(faults, seen, strict=True) if 0 <= point <= k}
+    reasons = {}
+    for fault in faults:
+        if fault.id not in acted:
+            late = clock.index(fault.start) > k
+            reasons[fault.id] = (
+                f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
+                if late
+                else "changed nothing: without it every value that was recorded, or went to a component, would have "
+                "been the same"
+            )
+    return reasons
 
 
 def fault_stream(fault: Fault) -> int:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from navfmu.engine.clock import Clock
-from navfmu.engine.effect import ADD, HOLD, NOISE, RAMP, SET
+from navfmu.engine.effect import ADD, AHEAD, HOLD, NEXT, NOISE, NOW, RAMP, RECORDED, SET
 
 
 def normal(seed: int, stream: int, lane: int, j: int) -> float:
@@ -20,17 +22,34 @@ def normal(seed: int, stream: int, lane: int, j: int) -> float:
     return math.sqrt(-2.0 * math.log(first)) * math.cos(6.283185307179586 * second)
 
 
-class Injector:
-    """The effects on the signals of one component; ``truth`` maps each of them to its true value."""
+State = tuple[dict[int, float], dict[int, float], list[int], list[Any]]
 
-    def __init__(self, effects: Sequence[np.void], clock: Clock) -> None:
+
+class Injector:
+    """The effects on the signals of one component; ``truth`` maps each of them to its true value.
+
+    ``seen`` has for each effect the communication point at which a bit is different because of it, -1 before that: it
+    is found by an injector of all the others on the same signal. ``every`` is the number of steps between recorded
+    points; without it nothing is looked for.
+    """
+
+    def __init__(self, effects: Sequence[np.void], clock: Clock, every: int = 0) -> None:
         self._effects = effects
         self._clock = clock
+        self._every = every
+        self.seen = [-1] * len(effects)
+        self._without = [
+            Injector([other for other in effects if other["slot"] == effect["slot"] and other is not effect], clock)
+            for effect in (effects if every else ())
+        ]
         self._held: dict[int, float] = {}  # HOLD: the value before the window
         self._noise: dict[int, float] = {}
 
-    def leave(self, truth: dict[int, float], k: int) -> dict[int, float]:
-        """The values that leave at communication point ``k``."""
+    def leave(self, truth: dict[int, float], k: int, final: bool = True) -> dict[int, float]:
+        """The values that leave at communication point ``k``; those of 0 come about step by step, ``final`` the last.
+
+        ``ahead`` of the point before is asked for first.
+        """
         values = dict(truth)
         for number, effect in enumerate(self._effects):
             slot, value = int(effect["slot"]), values[int(effect["slot"])]
@@ -41,6 +60,9 @@ class Injector:
                 if effect["kind"] == NOISE:
                     self._noise[number] = self._draw(effect, k)
                 values[slot] = self._apply(number, effect, value, k)
+        for number, slot, other in self._others(k):
+            if final and _differ(other.leave({slot: truth[slot]}, k)[slot], values[slot]):
+                self._see(number, k)
         return values
 
     def ahead(self, truth: dict[int, float], k: int) -> dict[int, float]:
@@ -50,7 +72,28 @@ class Injector:
             slot = int(effect["slot"])
             if effect["first"] <= k < effect["end"]:
                 values[slot] = self._apply(number, effect, values[slot], k + 1)
+        for number, slot, other in self._others(k):
+            differs = _differ(other.ahead({slot: truth[slot]}, k)[slot], values[slot])
+            if differs and self._effects[number]["readers"] & AHEAD:
+                self.seen[number] = k + 1
         return values
+
+    def _others(self, k: int) -> list[tuple[int, int, Injector]]:
+        """The effects that were not seen so far: number, signal, and the others on that signal."""
+        return [
+            (number, int(self._effects[number]["slot"]), other)
+            for number, other in enumerate(self._without)
+            if self.seen[number] < 0
+        ]
+
+    def _see(self, number: int, k: int) -> None:
+        """A value that leaves at ``k`` is different because of an effect: who sees it?"""
+        readers = int(self._effects[number]["readers"])
+        recorded = readers & RECORDED and k % self._every == 0
+        if readers & NOW or recorded or (k == 0 and readers & (NEXT | AHEAD)):
+            self.seen[number] = k
+        elif readers & NEXT:
+            self.seen[number] = k + 1
 
     def _apply(self, number: int, effect: np.void, value: float, k: int) -> float:
         kind, amount = effect["kind"], float(effect["amount"])
@@ -69,10 +112,17 @@ class Injector:
         j = k * int(effect["multiplier"]) // int(effect["divisor"])
         return float(effect["amount"]) * normal(int(effect["seed"]), int(effect["stream"]), int(effect["lane"]), j)
 
-    def state(self) -> tuple[dict[int, float], dict[int, float]]:
+    def state(self) -> State:
         """What it remembers, for a snapshot."""
-        return dict(self._held), dict(self._noise)
+        return dict(self._held), dict(self._noise), list(self.seen), [other.state() for other in self._without]
 
-    def set_state(self, state: tuple[dict[int, float], dict[int, float]]) -> None:
+    def set_state(self, state: State) -> None:
         """Back to a snapshot."""
-        self._held, self._noise = dict(state[0]), dict(state[1])
+        self._held, self._noise, self.seen = dict(state[0]), dict(state[1]), list(state[2])
+        for other, of_other in zip(self._without, state[3], strict=True):
+            other.set_state(of_other)
+
+
+def _differ(a: float, b: float) -> bool:
+    """Whether a bit is different."""
+    return struct.pack("d", a) != struct.pack("d", b)

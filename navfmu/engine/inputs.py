@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from navfmu.engine.component import Component
+from navfmu.engine.effect import AHEAD, NEXT, NOW
 from navfmu.engine.link import TYPES, Wire
 from navfmu.fmi.description import Variable
 from navfmu.fmi.names import Signal
@@ -61,6 +62,23 @@ def inputs_of(
             target_variable = component.description.by_name[variable]
             groups[target_variable.type].append(_Input(target_variable, slots[name, variable]))
     return tuple(_inputs(rows) for rows in groups.values())  # type: ignore[return-value]
+
+
+def readers_of(
+    wires: Sequence[Wire], components: Sequence[Component], algorithm: str, cut: set[tuple[Signal, Signal]]
+) -> dict[tuple[str, str], int]:
+    """Who takes each connected output, (component, variable): a sum of ``NOW``, ``NEXT`` and ``AHEAD``."""
+    smooth = {component.name for component in components if component.description.can_interpolate_inputs}
+    readers: dict[tuple[str, str], int] = {}
+    for source, target, _ in wires:
+        if algorithm != "gauss_seidel" or (source, target) in cut:
+            reader = NEXT
+        elif _continuous(source, target):
+            reader = AHEAD | NEXT if target.component in smooth else AHEAD
+        else:
+            reader = NOW
+        readers[source.key] = readers.get(source.key, 0) | reader
+    return readers
 
 
 def _continuous(*ends: Signal) -> bool:

@@ -32,9 +32,9 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
-from navfmu.engine.effect import EFFECT, effects_of, idle, table
+from navfmu.engine.effect import EFFECT, RECORDED, echoes, effects_of, idle, table
 from navfmu.engine.initial import initial_moves
-from navfmu.engine.inputs import Inputs, inputs_of
+from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
 from navfmu.engine.order import sort
 from navfmu.errors import NavfmuError, nearest
@@ -107,10 +107,12 @@ class Plan:
     signals: tuple[str, ...]  # names, "component.variable"
     driven: np.ndarray  # float64, undisturbed values of the driven signals, which are the last ones
     effects: np.ndarray  # EFFECT: those of part 0, part 1 ..., then those of driven signals
+    echoes: np.ndarray  # ECHO
+    faults: tuple[Fault, ...]  # of each effect
     recorded: tuple[Recorded, ...]
     record_every: int  # steps
     cut: tuple[str, ...]  # connections that were cut, "a.y -> b.u"
-    idle: Mapping[str, str]  # faults that change nothing, by id, and why
+    idle: Mapping[str, str]  # faults that cannot change anything, by id, and why
     notes: tuple[str, ...]  # sentences for the user
 
     @property
@@ -181,10 +183,14 @@ def make_plan(
 
     ordered = [e for c in components for e in effects if e.component == c.name and not e.driven]
     ordered += [e for e in effects if e.driven]
-    effect_table = table(ordered, slots, clock, seed) if ordered else np.zeros(0, EFFECT)
+    readers = readers_of(wires, components, algorithm, set(cut))
+    for end, true in columns:
+        key = connected[end.key][0].key if end.key in connected else end.key
+        readers[key] = readers.get(key, 0) | (0 if true else RECORDED)
+    effect_table = table(ordered, slots, readers, clock, seed) if ordered else np.zeros(0, EFFECT)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
-    useless = idle(ordered, effect_table, clock, undisturbed)
+    useless = idle(ordered, effect_table, clock, every, undisturbed)
 
     initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect = [], 0
@@ -204,7 +210,9 @@ def make_plan(
         clock=clock,
         signals=tuple(f"{c}.{v}" for c, v in signals),
         driven=np.array(list(undisturbed.values()), np.float64),
+        echoes=echoes(effect_table),
         effects=effect_table,
+        faults=tuple(effect.fault for effect in ordered),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from navfmu.engine.effect import unseen
 from navfmu.engine.plan import Plan
 from navfmu.engine.structures import Log
 from navfmu.errors import NavfmuError
@@ -44,6 +45,7 @@ class Recording:
     values: np.ndarray
     notes: tuple[str, ...] = ()  # sentences: what FMUs warned of, samples lost, values that are no numbers
     lost: Mapping[str, int] = field(default_factory=dict)  # samples that were missed, by counter: "ahrs.imu.lost"
+    idle: Mapping[str, str] = field(default_factory=dict)  # faults that changed nothing, by id, and why
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by name."""
@@ -94,8 +96,21 @@ def ended(plan: Plan, component: int, k: int, last: float) -> list[str]:
     return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s"]
 
 
+def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool) -> dict[str, str]:
+    """Faults that changed nothing up to communication point ``k``, by id, and why; none unless the run is ``over``.
+
+    ``seen`` is by effect, -1 where it was not. Those that could not change anything are not told again.
+    """
+    found = unseen(plan.faults, seen, plan.clock, k) if over else {}
+    return {fault: why for fault, why in found.items() if fault not in plan.idle}
+
+
 def recording(
-    plan: Plan, rows: np.ndarray, warnings: Iterable[str] = (), lost: Mapping[str, int] | None = None
+    plan: Plan,
+    rows: np.ndarray,
+    warnings: Iterable[str] = (),
+    lost: Mapping[str, int] | None = None,
+    idle: Mapping[str, str] | None = None,
 ) -> Recording:
     """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
     for number, column in enumerate(plan.recorded):
@@ -108,8 +123,10 @@ def recording(
         time=np.array([plan.clock.time(row * plan.record_every) for row in range(len(rows))]),
         values=rows,
         lost=dict(lost or {}),
+        idle=dict(idle or {}),
     )
-    return replace(made, notes=(*warnings, *missed(made.lost, plan), *not_finite(made)))
+    unfelt = [f"fault '{fault}' {why}" for fault, why in made.idle.items()]
+    return replace(made, notes=(*warnings, *unfelt, *missed(made.lost, plan), *not_finite(made)))
 
 
 # ---- notes -----------------------------------------------------------------------------------------------------------

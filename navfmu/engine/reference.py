@@ -23,7 +23,7 @@ from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library
 from navfmu.engine.plan import Part, Plan
-from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, room, warned
+from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, room, unmoved, warned
 from navfmu.engine.structures import (
     ASKED,
     DISCARD,
@@ -84,9 +84,10 @@ class Reference:
         self.rows = room(plan)
         rows = list(plan.effects)
         self._injectors = [
-            Injector(rows[part.first_effect : part.first_effect + part.effects], plan.clock) for part in plan.parts
+            Injector(rows[part.first_effect : part.first_effect + part.effects], plan.clock, plan.record_every)
+            for part in plan.parts
         ]
-        self._driver = Injector(rows[plan.first_driven_effect :], plan.clock)
+        self._driver = Injector(rows[plan.first_driven_effect :], plan.clock, plan.record_every)
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Counting] = []
         self._refused: set[int] = set()
@@ -166,7 +167,9 @@ class Reference:
         counts = [fmu.warnings for fmu in self._fmus] or [0] * len(self.plan.parts)
         notes = ended(self.plan, self._ended, self.k, self._last) + warned(self.plan, self._logs, counts)
         notes += floating.strayed(self.plan, [fmu.strayed for fmu in self._fmus] or [0] * len(self.plan.parts))
-        return recording(self.plan, rows, notes, lost)
+        over = self.k == self.plan.clock.steps or self._ended >= 0
+        seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
+        return recording(self.plan, rows, notes, lost, unmoved(self.plan, seen, self.k, over))
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -186,7 +189,7 @@ class Reference:
         (value,) = self._call(number, f"get{kind}", [int(move["reference"])])
         part = self.plan.parts[number]
         truth = {slot: self.truth[slot] for slot in range(part.first_signal, part.first_signal + part.signals)}
-        self._send(number, truth | {int(move["slot"]): _number(kind, value)}, 0)
+        self._send(number, truth | {int(move["slot"]): _number(kind, value)}, 0, final=False)
 
     def _give(self, move: np.void) -> None:
         """One input, in initialisation mode."""
@@ -279,10 +282,10 @@ class Reference:
     def _read_outputs(self, number: int, part: Part, k: int) -> None:
         self._send(number, self._outputs(number, part), k)
 
-    def _send(self, number: int, truth: dict[int, float], k: int) -> None:
+    def _send(self, number: int, truth: dict[int, float], k: int, final: bool = True) -> None:
         """True values leave at communication point ``k``."""
         ahead = self._injectors[number].ahead(truth, k - 1)
-        leaving = self._injectors[number].leave(truth, k)
+        leaving = self._injectors[number].leave(truth, k, final)
         if k == 0:
             ahead = leaving  # no step yet: what leaves is what every input gets
         for slot, value in truth.items():

@@ -131,7 +131,7 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "signal")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "echo", "signal")),
         *((name, c_int32) for name in ("components", "moves", "signals", "first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),
@@ -153,7 +153,7 @@ Row = tuple[str, str, int, int]  # structure, field ("": the whole), offset and 
 
 def here() -> Iterator[Row]:
     """The table as this file and the fault table mean it."""
-    for table, rows in (("Effect", effect.EFFECT), ("Move", initial.MOVE)):
+    for table, rows in (("Effect", effect.EFFECT), ("Echo", effect.ECHO), ("Move", initial.MOVE)):
         yield table, "", 0, rows.itemsize
         for name in rows.names or ():
             kind, offset = rows.fields[name][:2]  # type: ignore[index]
@@ -165,6 +165,8 @@ def here() -> Iterator[Row]:
             yield structure.__name__, name, place.offset, place.size
     for name in ("ADD", "RAMP", "SET", "HOLD", "NOISE"):
         yield "EffectKind", name, getattr(effect, name), 0
+    for name in ("NOW", "NEXT", "AHEAD", "RECORDED"):
+        yield "Reader", name, getattr(effect, name), 0
     for name in ("READ", "GIVE", "LEAVE"):
         yield "MoveKind", name, getattr(initial, name), 0
     for name, (number, _) in STRAYS.items():

@@ -70,7 +70,7 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     """A recording with time (s) as index; Booleans and Integers in their own types.
 
     In ``attrs``: ``units`` by signal; ``not_finite``, at how many points a signal is NaN or infinite; ``lost``, how
-    many samples each counter says were lost.
+    many samples each counter says were lost; ``idle``, the faults that changed nothing and why.
     """
     import numpy as np
     import pandas
@@ -82,12 +82,14 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
     frame.attrs["not_finite"] = {name: count for name, (count, _) in recording.not_finite.items()}
     frame.attrs["lost"] = dict(recording.lost)
+    frame.attrs["idle"] = {fault: visible(why) for fault, why in recording.idle.items()}
     return frame
 
 
 def other_notes(frame: pandas.DataFrame, *, lost: bool = True) -> list[str]:
-    """The notes of a run without those that ``not_finite`` tells (and ``lost``): they differ from run to run."""
+    """The notes of a run without those that ``not_finite`` and ``idle`` tell (and ``lost``): they differ by run."""
     told = [f"'{visible(name)}' is not finite at " for name in frame.attrs["not_finite"]]
+    told += [f"fault '{visible(fault)}' {why}" for fault, why in frame.attrs["idle"].items()]
     told += [] if lost else [f" of '{visible(bundle(name))}' w" for name in frame.attrs["lost"]]
     return [note for note in frame.attrs["notes"] if not any(part in note for part in told)]
 

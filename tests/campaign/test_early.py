@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 
 import numpy as np
 import pandas
 import pytest
+from click.testing import CliRunner
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.outcome import Outcome, judge_quantile
 from navfmu.campaign.requirement import judge
+from navfmu.campaign.show import show
+from navfmu.cli.main import main
 from navfmu.ssp.writer import SystemSource
 from tests.campaign.test_campaign import requirement
 from tests.foreign.stepper import write
@@ -49,8 +53,12 @@ def private_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("NAVFMU_CACHE", str(tmp_path / "cache"))
 
 
-def flown(folder: Path, *more: str, ends_at: float = 1e9, spread: float = 0.0, seeds: str = "1-2") -> Outcome:
+def flown(
+    folder: Path, *more: str, ends_at: float = 1e9, spread: float = 0.0, seeds: str = "1-2", faults: str = ""
+) -> Outcome:
     """A campaign of one FMU that ends the runs at ``ends_at`` + ``spread`` * seed (s)."""
+    (folder / "f.toml").write_text(faults)
+    more = (*more, '\n[[case]]\nname = "faults"\nfaults = "f.toml"\n' if faults else "")
     source = SystemSource("early", fmus=folder, stop_time=10.0, step=0.1)
     write(folder / "stepper.fmu")
     (folder / "report.toml").write_text(STATISTIC)
@@ -114,3 +122,51 @@ def test_runs_of_unequal_length_are_judged_counted_and_drawn(tmp_path):
 def test_runs_that_end_at_once_are_answered_with_a_report(tmp_path):
     outcome = flown(tmp_path, REQUIREMENT, ends_at=0.05)
     assert not outcome.passed and outcome.report.is_file()
+
+
+LATE = '[[fault]]\nid = "late"\ntarget = "stepper.x"\ntype = "bias"\nvalue = 1000.0\nstart = 5.0\n'
+
+
+def test_a_fault_that_an_early_end_has_left_out_is_a_finding(tmp_path, capsys):
+    """Its requirement was held by all runs, none of which it was injected into."""
+    outcome = flown(tmp_path, REQUIREMENT, "to = 2.0\n", ends_at=2.0, faults=LATE)
+    assert not outcome.passed and not outcome.cells[0].passed and outcome.cells[0].held == 0
+    assert "; in 2 a fault changed nothing, which counts as not held" in outcome.cells[0].sentence
+    why = "starts at 5 s, but the run ended at 2 s"
+    assert outcome.idle == {("main", "faults", "late", why): [1, 2]}
+    assert outcome.notes == {"component 'stepper' ended the run at t = 2 s, before the stop time 10 s": 2}
+    show(outcome)
+    out = " ".join(capsys.readouterr().out.split())
+    assert f"did not happen main, faults, seed 1-2: fault 'late' {why}" in out
+    assert f"<td>{why}</td>" in outcome.report.read_text()
+    assert set(pandas.read_csv(tmp_path / "out" / "runs.csv").idle) == {f"late {why}"}
+
+
+def test_only_the_runs_in_which_a_fault_acted_count(tmp_path):
+    """Seeds 1 to 4 end at 5, 6, 7 and 8 s."""
+    hidden = LATE.replace("5.0", "5.5")
+    outcome = flown(tmp_path, REQUIREMENT, "to = 2.0\nruns = 75\n", ends_at=4.0, spread=1.0, seeds="1-4", faults=hidden)
+    assert outcome.cells[0].passed and outcome.cells[0].held == 3 and not outcome.passed
+
+
+@pytest.mark.parametrize("how", ["", "quantile = 0.5\n", 'expect = "violated"\n'])
+def test_a_fault_that_others_hide_certifies_nothing(tmp_path, how):
+    faults = LATE + "duration = 2.0\n\n" + LATE.replace("late", "stuck").replace('"bias"\nvalue = 1000.0', '"stuck"')
+    outcome = flown(tmp_path, REQUIREMENT, how, faults=faults)
+    assert not outcome.passed and not outcome.cells[0].passed
+    ((_, _, fault, why),) = outcome.idle
+    assert fault == "late" and why.startswith("changed nothing: without it every value that was recorded")
+
+
+def test_a_single_run_notes_the_fault_that_it_did_not_come_to(tmp_path):
+    write(tmp_path / "stepper.fmu")
+    (tmp_path / "f.toml").write_text(LATE)
+    words = [
+        *("run", str(tmp_path / "stepper.fmu"), "--stop", "20", "--step", "0.1", "--set", "stepper.ends_at=2"),
+        *("--faults", str(tmp_path / "f.toml"), "--report", str(tmp_path / "r")),
+    ]
+    for engine in ("compiled", "reference"):
+        result = CliRunner().invoke(main, [*words, "--engine", engine])
+        note = "fault 'late' starts at 5 s, but the run ended at 2 s"
+        assert result.exit_code == 0 and note in " ".join(result.stderr.split())
+        assert note in html.unescape((tmp_path / "r" / "report.html").read_text())

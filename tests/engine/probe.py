@@ -134,6 +134,7 @@ def run_both(plan: Plan) -> Recording:
     assert fast.time.tobytes() == slow.time.tobytes()
     different = [name for name in fast.names if fast[name].tobytes() != slow[name].tobytes()]
     assert not different, f"engines differ in {different}"
+    assert fast.idle == slow.idle
     return fast
 
 

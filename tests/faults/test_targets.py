@@ -71,7 +71,8 @@ def fault(name, target, kind, **parameters):
         ("a.y", "bias", {"start": 10.0, "value": 1}, None),  # the last row of the recording has it
         ("a.gain", "parameter", {"start": 10.0, "value": 2}, "starts at 10 s, the last communication point"),
         ("a.gain", "parameter", {"start": 9.9, "value": 2}, None),
-        ("a.y", "drift", {"start": 9.95, "rate": 1}, "starts at 9.95 s, the last communication point"),
+        ("a.y", "drift", {"start": 10.0, "rate": 1}, "starts at 10 s, the last communication point"),
+        ("a.y", "drift", {"start": 9.95, "rate": 1}, None),  # which is 0.05 there
         ("a.y", "drift", {"start": 9.9, "rate": 1}, None),
         ("a.y", "bias", {"value": 0}, "adds 0"),
         ("a.y", "drift", {"rate": 0.0}, "adds 0"),

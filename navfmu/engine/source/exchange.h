@@ -7,13 +7,6 @@
 #include "effects.h"
 #include "floating.h"
 
-/* Kept out of the way of the calls that succeed and of components without faults. */
-#if defined(__GNUC__)
-#define RARELY __attribute__((noinline, cold))
-#else
-#define RARELY
-#endif
-
 static RARELY int failed(Master *m, Component *c, fmi2Status status) {
     if (status == fmi2Warning) {
         c->warnings++;
@@ -57,12 +50,6 @@ static inline Component *at(Master *m, int32_t number) {
         fmi2Status status_ = (expression);                                          \
         if (status_ != fmi2OK && failed(m, c, status_)) return 1;                   \
     } while (0)
-
-static inline uint64_t bits(double value) {
-    uint64_t n;
-    memcpy(&n, &value, sizeof n);
-    return n;
-}
 
 /* Signals as a group of Real inputs sees them; what is not scaled keeps its bits. Returns 0 if no bit has changed. */
 static inline uint64_t gather(const Inputs *in, const int32_t *source, const double *signal, double *restrict value) {
@@ -172,10 +159,10 @@ static inline int read_into(Master *m, Component *c, double *to) {
     return 0;
 }
 
-/* The faults of communication point k act on the outputs that were read. */
-static RARELY void disturb(Master *m, Component *c, int64_t k) {
+/* The faults of communication point k act on the outputs that were read; `final`: on all of them. */
+static RARELY void disturb(Master *m, Component *c, int64_t k, int final) {
     if (k > 0) look_ahead(m, c, k - 1);
-    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k);
+    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k, final);
     if (k == 0) no_step_yet(m, c);
 }
 
@@ -183,7 +170,7 @@ static RARELY void disturb(Master *m, Component *c, int64_t k) {
 static inline int read_outputs(Master *m, Component *c, int64_t k) {
     if (read_into(m, c, c->effects ? m->signal + m->signals : m->signal)) return 1;
     called_last(c);
-    if (c->effects) disturb(m, c, k);
+    if (c->effects) disturb(m, c, k, 1);
     return 0;
 }
 

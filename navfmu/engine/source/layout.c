@@ -17,6 +17,10 @@ static const Field FIELDS[] = {
     WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, first), FIELD(Effect, end),
     FIELD(Effect, amount), FIELD(Effect, start), FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane),
     FIELD(Effect, multiplier), FIELD(Effect, divisor), FIELD(Effect, memory), FIELD(Effect, drawn),
+    FIELD(Effect, readers), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, until), FIELD(Effect, seen),
+    FIELD(Effect, before),
+
+    WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory), FIELD(Echo, drawn),
 
     WHOLE(Move), FIELD(Move, kind), FIELD(Move, component), FIELD(Move, type), FIELD(Move, reference),
     FIELD(Move, slot), FIELD(Move, factor), FIELD(Move, offset),
@@ -43,7 +47,7 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, effect), FIELD(Master, signal), FIELD(Master, components), FIELD(Master, moves),
+    FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, signal), FIELD(Master, components), FIELD(Master, moves),
     FIELD(Master, signals), FIELD(Master, first_driven),
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
@@ -52,6 +56,8 @@ static const Field FIELDS[] = {
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE),
+
+    VALUE(Reader, NOW), VALUE(Reader, NEXT), VALUE(Reader, AHEAD), VALUE(Reader, RECORDED),
 
     VALUE(MoveKind, READ), VALUE(MoveKind, GIVE), VALUE(MoveKind, LEAVE),
 

@@ -27,7 +27,22 @@ typedef struct {
     int64_t multiplier, divisor;  /* NOISE: sample number j = k * multiplier / divisor */
     double memory;                /* HOLD: the value; NOISE: amount * normal number j */
     int64_t drawn;                /* NOISE: j of the memory */
+    int32_t readers;              /* who sees the signal: a sum of Reader */
+    int32_t first_echo, echoes;   /* later effects on the same signal */
+    int64_t until;                /* from this point on nothing can be seen of it any more */
+    int64_t seen;                 /* the communication point at which a bit is different because of it, -1: none yet */
+    double before;                /* the signal before it, now */
 } Effect;
+
+/* Who sees a signal: a component in this step, one in the next step, one that gets it as it is ahead; the recording. */
+typedef enum { NOW = 1, NEXT = 2, AHEAD = 4, RECORDED = 8 } Reader;
+
+/* A later effect on the same signal, with the memory that it would have without the earlier one. */
+typedef struct {
+    int32_t effect;
+    double memory;
+    int64_t drawn;
+} Echo;
 
 /* A move from initialisation mode to t = 0; see navfmu/engine/initial.py. LEAVE concerns all inputs and outputs. */
 typedef enum { READ, GIVE, LEAVE } MoveKind;
@@ -112,6 +127,7 @@ typedef struct {
     const int32_t *order;         /* in which they step in Gauss-Seidel */
     const Move *move;             /* how the values of t = 0 come about */
     Effect *effect;
+    Echo *echo;
     double *signal;               /* the values that left, then the true ones, then those ahead */
     int32_t components, moves, signals;
     int32_t first_driven, driven; /* driven signals are the last ones */
