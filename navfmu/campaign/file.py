@@ -20,8 +20,8 @@ from = 300.0                         # s, or "5 min"
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,7 @@ from navfmu.engine.clock import Clock
 from navfmu.engine.plan import ALGORITHMS, Plan
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
+from navfmu.files.reading import located
 from navfmu.files.schema import validated
 from navfmu.files.toml import Document, Place
 from navfmu.fmi.seconds import seconds
@@ -74,7 +75,7 @@ class _Reader:
         cases = self.cases(main)
         campaign = Campaign(
             name=self.name(self.path.stem if content.name is None else content.name),
-            path=self.path,
+            path=located(self.path),
             description=content.description,
             system=system,
             systems=systems,
@@ -131,11 +132,11 @@ class _Reader:
 
     def beside(self, name: str) -> Path:
         """A path seen from the campaign file, without the detours that would stand in reports."""
-        return Path(os.path.normpath(self.path.parent / name))
+        return located(self.path.parent / name)
 
     def system(self, name: str) -> Path:
         beside = self.beside(name)
-        return beside if beside.exists() else self.at("system", lambda: shipped.system(name))
+        return beside if beside.exists() else self.at("system", lambda: shipped.named(name))
 
     def variants(self, system: Path, names: Sequence[str]) -> dict[str, System]:
         known = [MAIN] if system.suffix == ".fmu" else [MAIN, *reader.variants(system)]
@@ -160,21 +161,20 @@ class _Reader:
     def faults(self, system: System, entry: CaseEntry, number: int) -> tuple[Fault, ...]:
         """The faults of a case; each knows the file that it is from."""
         names = [entry.faults] if isinstance(entry.faults, str) else entry.faults or []
-        files: list[str | Path] = []
+        found: list[Fault] = []
         for place, name in enumerate(names):
             where = "case", number, "faults", place
             beside = self.beside(name)
             here = beside.exists() and not beside.is_dir()
             try:
-                path = beside if here else system.attachment("faults", name)
+                path = beside if here else system.own_attachment("faults", name)
             except NavfmuError as error:
                 raise self.document.error(str(error), *where) from None
-            if not path.exists():
+            if not here and path == Path(name):  # not in the system either; the current folder does not matter
                 raise self.document.error(f"there is no fault file '{name}'", *where)
-            load_faults(path)  # a mistake in it has its own place
-            files.append(beside if here else name)
+            found += [replace(fault, file=str(path if here else name)) for fault in load_faults(path)]
         try:
-            return system.faults(files)
+            return system.faults(found)
         except NavfmuError as error:
             raise self.document.error(str(error), "case", number, "faults") from None
 

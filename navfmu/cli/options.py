@@ -30,6 +30,8 @@ def system_options(command: Callable) -> Callable:
         click.option("--fault", "entries", multiple=True, metavar="ENTRIES",
                      help="One fault: 'id = \"F1\", target = \"gps.jammed\", type = \"input\", start = 300'."),
         click.option("--stop", metavar="TIME", help="End of the run: seconds, or a text such as '35 min'."),
+        click.option("--expect", metavar="HASH",
+                     help="Refuse a system or faults that have changed since a repeat command was written."),
         click.option("--seed", type=int, metavar="N", help="Seed of every component with noise, and of the faults."),
         strict,
     ]  # fmt: skip

@@ -19,7 +19,7 @@ from navfmu.cli.options import load, system_options, tell
 @click.option("--record-period", metavar="TIME", help="Time between recorded values.")
 @click.option("--out", metavar="FILE", help="Write the recording to FILE.parquet or FILE.csv.")
 @click.option("--report", metavar="DIR", help="Write the recording and a report with pictures into this folder.")
-def command(system: str, out: str | None, report: str | None, **given: Any) -> None:
+def command(system: str, out: str | None, report: str | None, expect: str | None, **given: Any) -> None:
     """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
     from navfmu.system import result
     from navfmu.terminal.progress import Progress
@@ -32,6 +32,8 @@ def command(system: str, out: str | None, report: str | None, **given: Any) -> N
 
         named, given["record"] = given["record"], to_record(given["record"], loaded)
     experiment = loaded.experiment(**given)
+    if expect is not None:
+        experiment.expect(expect)
     with Progress(loaded.name) as progress:
         frame = experiment.run(progress)
     tell(frame.attrs["notes"])

@@ -17,7 +17,9 @@ from navfmu.cli.options import load, numbers, system_options, tell
               help="Error that the recommended step may cause, in percent of a signal's range.")  # fmt: skip
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Runs at the same time; default: one per core.")
 @click.option("--out", metavar="DIR", help="Write table, picture and report into this folder.")
-def command(system: str, steps: str, tolerance: float, jobs: int | None, out: str | None, **given: Any) -> None:
+def command(
+    system: str, steps: str, tolerance: float, jobs: int | None, out: str | None, expect: str | None, **given: Any
+) -> None:
     """Run SYSTEM at several step sizes with both algorithms and the same noise, and compare."""
     from navfmu.sweep.report import FILES, write_report
     from navfmu.sweep.show import show
@@ -29,6 +31,8 @@ def command(system: str, steps: str, tolerance: float, jobs: int | None, out: st
     sizes = numbers(steps, "--steps")
     loaded, given = load(system, given)
     experiment = loaded.experiment(step=min(sizes), **given)
+    if expect is not None:
+        experiment.expect(expect)
     with Progress(f"{loaded.name}, step sizes") as progress:
         result = sweep(experiment, sizes, tolerance / 100.0, jobs, progress)
     tell(result.notes)

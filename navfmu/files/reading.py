@@ -26,6 +26,12 @@ def what_is(path: str | Path) -> str | None:
     return next((words for is_it, words in KINDS if is_it(mode)), "a file")
 
 
+def located(path: str | Path) -> Path:
+    """The path as it is from everywhere, without detours."""
+    path = Path(path)
+    return path.resolve() if path.name in ("", "..") else path.parent.resolve() / path.name
+
+
 def regular(path: str | Path, expected: str) -> Path:
     """The path, if it is that of a file with an end; ``expected`` ("a fault file") goes into the sentence if not."""
     if not str(path).strip():

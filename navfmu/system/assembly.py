@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest, visible
+from navfmu.files.reading import located
 from navfmu.files.toml import Document, read_text
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
@@ -36,6 +37,10 @@ class Assembly:
     values: Mapping[str, Mapping[str, Any]]  # start values by component and variable, from the documents
     links: tuple[Link, ...]
     variant: str | None = None
+    place: Path = field(init=False)  # where it lies, from everywhere
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", located(self.structure.origin))
 
     @classmethod
     def load(cls, path: str | Path, variant: str | None = None, *, strict: bool = False) -> Self:
@@ -128,7 +133,9 @@ class Assembly:
         found: list[Fault] = []
         for entry in [faults] if isinstance(faults, (str, Path, Fault)) else faults or ():
             if isinstance(entry, (str, Path)):
-                found += [replace(fault, file=str(entry)) for fault in load_faults(self.attachment("faults", entry))]
+                path = self.attachment("faults", entry)
+                file = str(located(path)) if path == Path(entry) else str(entry)
+                found += [replace(fault, file=file) for fault in load_faults(path)]
             elif isinstance(entry, Fault):
                 found.append(entry)
             else:
@@ -147,8 +154,11 @@ class Assembly:
         if not str(name).strip():
             raise NavfmuError(f"{kind}: the name of the file is empty")
         path = Path(name)
-        if path.exists() and not path.is_dir():
-            return path
+        return path if path.exists() and not path.is_dir() else self.own_attachment(kind, name)
+
+    def own_attachment(self, kind: str, name: str | Path) -> Path:
+        """A file by its name among the package's own; what is no such name is returned as the path that it is."""
+        path = Path(name)
         folder = self.structure.file.parent
         for place in (folder / "extra" / kind, folder / kind):
             for candidate in (place / path.name, place / f"{path.name}.toml"):

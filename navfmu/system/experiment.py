@@ -223,7 +223,7 @@ class Experiment:
     def describe(self) -> dict[str, Any]:
         """The experiment as plain data, from which ``restored`` makes it again."""
         return {
-            "system": str(self.system.structure.origin),
+            "system": str(self.system.place),
             "variant": self.system.variant,
             "digest": self.system.digest,
             "stop": self.stop,
@@ -289,18 +289,39 @@ class Experiment:
 
     def words(self, verb: str) -> list[str]:
         """The beginning of a command line: system, parameters, faults, stop and seed."""
-        words = ["navfmu", verb, str(self.system.structure.origin)]
+        words = ["navfmu", verb, str(self.system.place)]
         if self.system.variant is not None:
             words += ["--variant", self.system.variant]
         for name, value in self.parameters.items():
             words += ["--set", f"{name}={_word(value)}"]
-        files = tuple(dict.fromkeys(fault.file for fault in self.faults if fault.file))
+        files = tuple(dict.fromkeys(fault.file for fault in self.faults if fault.file))  # from everywhere
         if not self._are_those_of(files):
             files = ()
         words += [word for file in files for word in ("--faults", file)]
         words += [word for fault in self.faults if fault.file not in files for word in ("--fault", fault.inline())]
-        words += ["--stop", number(self.stop)]
+        words += ["--stop", number(self.stop), "--expect", self._outside(files)]
         return words if self.seed is None else [*words, "--seed", str(self.seed)]
+
+    def _outside(self, files: Sequence[str]) -> str:
+        """What a command names and does not hold, as ``--expect`` takes it: a hash of the system, one of the faults."""
+        faults = [fault.describe() for fault in self.faults if fault.file in files]
+        for fault in faults:
+            fault.pop("file")  # wherever it lies
+        text = json.dumps(faults, sort_keys=True, default=str)
+        digests = [self.system.digest, *([hashlib.sha256(text.encode()).hexdigest()] if faults else [])]
+        return "-".join(digest[:12] for digest in digests)
+
+    def expect(self, words: str) -> None:
+        """Refuse when the system or the fault files are others than those of a command with ``--expect words``."""
+        here = self._outside({fault.file for fault in self.faults if fault.file})
+        if words == here:
+            return
+        system_is_it = words.split("-")[0] == here.split("-")[0]
+        what = "faults in the fault files are" if system_is_it else f"system in {self.system.place} is"
+        raise NavfmuError(
+            f"--expect {words}: the {what} not what the command was written for ({here}); without --expect it runs "
+            "what is there now"
+        )
 
 
 def _is_seed(value: object) -> bool:

@@ -37,11 +37,14 @@ def names(suffix: str = "") -> list[str]:
 
 def system(name: str) -> Path:
     """A system or FMU by path, or a shipped system by its bare name ("backup_navigator")."""
+    return Path(name) if name.strip() and Path(name).exists() else named(name)
+
+
+def named(name: str) -> Path:
+    """A shipped system by its bare name, whatever the current folder holds."""
     file = Path(name)
     if not name.strip():
         raise NavfmuError("the name of the system is empty")
-    if file.exists():
-        return file
     if file.parent == Path() and file.suffix in ("", ".ssp", ".fmu"):
         found = find(file.name if file.suffix else f"{file.name}.ssp")
         if found is not None:

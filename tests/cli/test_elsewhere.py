@@ -39,7 +39,7 @@ def test_a_run(folder):
     navfmu(folder, *once, *settings("--out", "out/a.csv", "--report", "report"))
     assert {file.name for file in (folder / "out").iterdir()} == {"a.csv", "a.csv.json"}
     assert {file.name for file in (folder / "report").iterdir()} == {"recording.parquet", "report.html"}
-    assert "--faults faults.toml" in json.loads((folder / "out" / "a.csv.json").read_text())["command"]
+    assert f"--faults {folder}/faults.toml" in json.loads((folder / "out" / "a.csv.json").read_text())["command"]
 
 
 def test_a_sweep(folder):
