@@ -31,6 +31,8 @@ def requirement_of(
         raise error("'at_least' is above 'at_most': nothing can hold this requirement", "at_least")
     if entry.percent is not None and entry.quantile is not None:
         raise error("'percent' and 'quantile' exclude each other", "quantile")
+    if entry.quantile is not None and "runs" in entry.model_fields_set:
+        raise error("'runs' goes with 'percent', not with 'quantile', which is a share of the runs itself", "runs")
     if entry.quantile is not None and entry.expect == "violated":
         raise error("'expect' = 'violated' goes with 'percent', not with 'quantile'", "expect")
     begin, end = _window(entry, stop, error)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from navfmu.campaign.requirement import Finding, Requirement, judge, wilson
+from navfmu.campaign.remarks import remarks
+from navfmu.campaign.requirement import Finding, Requirement, enough, judge, wilson
 
 if TYPE_CHECKING:
     from navfmu.campaign.definition import Campaign, Case
@@ -66,6 +67,7 @@ class Outcome:
     runs: list[Judged]
     cells: list[Cell]
     points: np.ndarray  # s, when rows were to be recorded; a run that an FMU has ended has fewer
+    remarks: dict[str, int]  # on the campaign itself, each with the number of runs that it concerns
     mended: tuple[str, ...] = ()  # files of earlier runs that were damaged, and so flown again
 
     @property
@@ -76,8 +78,8 @@ class Outcome:
 
     @property
     def notes(self) -> dict[str, int]:
-        """What the runs noted, each sentence with the number of runs that did."""
-        return dict(Counter(note for judged in self.runs for note in judged.answer.notes))
+        """What the runs noted, each sentence with the number of runs that did, and remarks on the campaign."""
+        return dict(Counter(note for judged in self.runs for note in judged.answer.notes)) | self.remarks
 
     @property
     def idle(self) -> dict[tuple[str, str, str, str], list[int]]:
@@ -134,7 +136,7 @@ def evaluate(
             for requirement in campaign.requirements:
                 if requirement.applies(variant, case.name):
                     cells.append(_cell(requirement, variant, case, group, folder, points))
-    return Outcome(campaign, folder, judged, cells, points, mended)
+    return Outcome(campaign, folder, judged, cells, points, remarks(campaign, runs, points), mended)
 
 
 def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
@@ -164,7 +166,7 @@ def _cell(
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
     held = sum(finding.held != requirement.expect_violated for j, finding in found if not j.answer.idle)
     total = len(group)
-    passed = total > 0 and 100.0 * held / total >= requirement.runs - 1e-9
+    passed = total > 0 and enough(100.0 * held / total, requirement.runs)
     worst = max(found, key=lambda pair: _badness(requirement, pair[1]), default=(None, None))
     what = "violated, as expected, in" if requirement.expect_violated else "held in"
     sentence = f"{what} {held} of {total} runs"

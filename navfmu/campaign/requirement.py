@@ -97,6 +97,11 @@ class Finding:
         }
 
 
+def enough(percent: float, needed: float) -> bool:
+    """Whether a share reaches the one that is needed, but for rounding; both in percent, ``needed`` above 0."""
+    return percent >= needed * (1.0 - 1e-12)
+
+
 def judge(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> Finding | None:
     """One run against one requirement; None when no point lies in its time.
 
@@ -114,7 +119,7 @@ def judge(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> Fin
     worst = int(np.argmax(excess)) if len(values) else 0
     needed = 100.0 if requirement.percent is None else requirement.percent
     return Finding(
-        held=percent >= needed - 1e-9,
+        held=enough(percent, needed),
         percent=percent,
         worst=float(values[worst]) if len(values) else math.nan,
         worst_time=float(time[worst]),

@@ -1,0 +1,52 @@
+"""What a reader of verdicts must know of the campaign itself, beside what its runs have noted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+
+from navfmu.campaign.definition import Campaign
+from navfmu.campaign.runs import Run
+from navfmu.system.experiment import Experiment
+
+SAME = "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
+
+
+def remarks(campaign: Campaign, runs: list[Run], points: np.ndarray) -> dict[str, int]:
+    """Sentences, each with the number of runs that it concerns; ``points`` (s) are the times of recorded rows."""
+    found: Counter[str] = Counter()
+    matters: dict[tuple[str, str], bool] = {}
+    for run in runs:
+        group = run.variant, run.case.name
+        if group not in matters:
+            matters[group] = seeds_matter(run.experiment, campaign.seeds)
+        if not matters[group]:
+            found[
+                "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
+            ] += 1
+        late = _judged_no_further(campaign, run, float(points[-1]))
+        if late:
+            found[late] += 1
+    return dict(found)
+
+
+def seeds_matter(experiment: Experiment, seeds: tuple[int, ...]) -> bool:
+    """Whether runs with these seeds can differ."""
+    if len(seeds) < 2 or any(fault.type == "noise" for fault in experiment.faults):
+        return True
+    first, second = (replace(experiment, seed=seed).start_values() for seed in seeds[:2])
+    return first != second
+
+
+def _judged_no_further(campaign: Campaign, run: Run, last: float) -> str:
+    """A sentence on requirements that ask of the time after the last recorded point (s), or ""."""
+    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
+    beyond = [r.id for r in asked if min(r.end, campaign.stop) > last * (1.0 + 1e-12)]
+    if not beyond:
+        return ""
+    return (
+        f"{', '.join(beyond)}: judged up to t = {last:.9g} s only, the last recorded point before the end at "
+        f"{campaign.stop:.9g} s (the recording period is {run.experiment.record_period:.9g} s)"
+    )
