@@ -32,6 +32,7 @@ class Variable:
     nominal: float | None = None
     description: str = ""
     enumeration: str | None = None
+    relative: bool = False  # a difference between two values, which has no origin: 10 degC is 10 K
     fault: bool = False  # an input that the model declares as a way to fail
 
     @property

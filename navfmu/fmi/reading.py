@@ -63,7 +63,7 @@ def read(path: Path) -> dict[str, Any]:
     }
     with open_archive(path, "FMU") as archive:
         lenient += lacking(archive, path, identifier, abilities)
-    faults = _fault_inputs(root)
+    differences, faults = _differences(root), _fault_inputs(root)
     experiment = model.defaultExperiment
     return {
         "fmi_version": version,
@@ -80,7 +80,10 @@ def read(path: Path) -> dict[str, Any]:
         "stop_time": _float(experiment.stopTime) if experiment else None,
         "step_size": _float(experiment.stepSize) if experiment else None,
         "tolerance": _float(experiment.tolerance) if experiment else None,
-        "variables": [[*_variable(variable, where), variable.name in faults] for variable in model.modelVariables],
+        "variables": [
+            [*_variable(variable, where), variable.name in differences, variable.name in faults]
+            for variable in model.modelVariables
+        ],
         "units": {unit.name: _unit(unit) for unit in model.unitDefinitions},
         "display_units": {
             unit.name: {d.name: (float(d.factor or 1.0), float(d.offset or 0.0)) for d in unit.displayUnits}
@@ -195,6 +198,20 @@ def _unit(unit: Any) -> tuple[list[int] | None, float, float]:
         return None, 1.0, 0.0
     exponents = [int(getattr(base, name) or 0) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")]
     return exponents, float(base.factor if base.factor is not None else 1.0), float(base.offset or 0.0)
+
+
+def _differences(root: Any) -> set[str]:
+    """Names of the variables that are differences, by themselves or by their types; FMPy reads it of types only."""
+    yes, types = ("true", "1"), {}
+    for declared in root.iterfind("TypeDefinitions/SimpleType"):
+        real = declared.find("Real")
+        types[declared.get("name")] = None if real is None else real.get("relativeQuantity")
+    reals = root.iterfind("ModelVariables/ScalarVariable/Real")
+    return {
+        real.getparent().get("name")
+        for real in reals
+        if real.get("relativeQuantity", types.get(real.get("declaredType"))) in yes
+    }
 
 
 def _fault_inputs(root: Any) -> set[str]:

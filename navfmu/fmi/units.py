@@ -1,6 +1,7 @@
 """Units as FMI and SSP describe them: exponents of the eight base units, a factor and an offset.
 
-A value x in a unit is ``factor * x + offset`` in base units (kg, m, s, A, K, mol, cd, rad).
+A value x in a unit is ``factor * x + offset`` in base units (kg, m, s, A, K, mol, cd, rad); a difference between two
+values is ``factor * x``.
 """
 
 from __future__ import annotations
@@ -56,8 +57,12 @@ COMMON = {  # units that people write in parameters and limits, whether or not t
 }
 
 
-def conversion(source: Unit | None, target: Unit | None, where: str) -> tuple[float, float]:
+def conversion(
+    source: Unit | None, target: Unit | None, where: str, *, difference: bool = False
+) -> tuple[float, float]:
     """Factor and offset that turn a value in ``source`` into ``target``: ``y = factor * x + offset``.
+
+    A ``difference`` between two values has no origin: its offset is 0.
 
     No conversion where a unit is not given or both have the same name. Radians count as a dimension only when both
     units do so: rad/s and 1/s convert.
@@ -75,7 +80,8 @@ def conversion(source: Unit | None, target: Unit | None, where: str) -> tuple[fl
             f"{where}: '{source.name}' cannot be converted to '{target.name}': "
             f"the first is {dimension(source)}, the second {dimension(target)}"
         )
-    return source.factor / target.factor, (source.offset - target.offset) / target.factor
+    offset = 0.0 if difference else (source.offset - target.offset) / target.factor
+    return source.factor / target.factor, offset
 
 
 def _angles_agree(a: Unit, b: Unit) -> bool:

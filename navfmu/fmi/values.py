@@ -131,7 +131,7 @@ def _boolean(value: Any, what: str) -> bool:
 def quantity(description: Description, variable: Variable, value: Any, what: str, *, difference: bool = False) -> float:
     """A number, or a text such as "0.5 nmi", in the variable's own unit; ``what`` begins the sentence if it is none.
 
-    A ``difference`` between two values has no origin: 1 degC is then 1 K.
+    A ``difference`` between two values has no origin: 1 degC is then 1 K. Values of a ``relative`` variable are such.
     """
     if isinstance(value, str):
         match = _NUMBER.match(value)
@@ -167,13 +167,14 @@ def _in_own_unit(
 ) -> float:
     if unit == variable.unit:
         return number
+    difference = difference or variable.relative
     display = description.display_units.get(variable.unit or "", {})
     if unit in display:
         factor, offset = display[unit]
         return (number if difference else number - offset) / factor
     own, given = description.units.get(variable.unit or ""), description.units.get(unit) or COMMON.get(unit)
     if own is not None and own.exponents is not None and given is not None:
-        factor, offset = conversion(given, own, what)
-        return factor * number if difference else factor * number + offset
+        factor, offset = conversion(given, own, what, difference=difference)
+        return factor * number + offset
     known = [name for name in (variable.unit, *display) if name]
     raise NavfmuError(f"{what}: unit '{unit}' is not known here; expected {' or '.join(known) if known else 'no unit'}")

@@ -351,6 +351,9 @@ class SystemSource:
 def _check_pair(source: Variable, target: Variable, where: str) -> None:
     if source.type != target.type:
         raise NavfmuError(f"{where}: '{source.name}' is {source.type}, '{target.name}' is {target.type}")
+    if source.relative != target.relative:
+        kinds = ["a difference (relativeQuantity)" if v.relative else "none" for v in (source, target)]
+        raise NavfmuError(f"{where}: '{source.name}' is {kinds[0]}, '{target.name}' is {kinds[1]}")
     if source.unit != target.unit:
         raise NavfmuError(
             f"{where}: '{source.name}' is in {source.unit or 'no unit'}, "

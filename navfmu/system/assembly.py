@@ -336,11 +336,29 @@ def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> An
             raise NavfmuError(f"{where}: '{variable.name}' is '{value}', expected one of {known}")
         value = setting.items[value]
     if variable.type == "Real" and not isinstance(value, (bool, str)):
-        factor, offset = conversion(setting.unit, _unit_of(fmu, variable), f"{where}: '{variable.name}'")
+        own, what = _unit_of(fmu, variable), f"{where}: '{variable.name}'"
+        factor, offset = conversion(setting.unit, own, what, difference=variable.relative)
         return setting.factor * (factor * value + offset) + setting.offset
     if (setting.factor, setting.offset) != (1.0, 0.0):
         return setting.factor * value + setting.offset
     return value
+
+
+def _check_kinds(
+    source: Variable, connection: Connection, origins: Sequence[Unit], where: str, lenient: list[str]
+) -> None:
+    """FMI connects a difference (``relativeQuantity``) to another only.
+
+    In units without an origin of their own it is the same number all the same; between others there is no conversion.
+    """
+    kinds = ["a difference (relativeQuantity)", "a quantity that is none"]
+    first, second = kinds if source.relative else reversed(kinds)
+    if connection.convert_units and origins:
+        raise NavfmuError(
+            f"{where}: connects {first} to {second}; '{origins[0].name}' has an origin of its own, so what this means "
+            "is not clear: expected two of a kind, or suppressUnitConversion"
+        )
+    lenient.append(f"{where}: connects {first} to {second}")
 
 
 def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu]) -> Link:
@@ -356,10 +374,14 @@ def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu])
     (source, source_unit, start_unit), (target, target_unit, end_unit) = ends
     if source.causality != "output" or target.causality != "input":
         raise NavfmuError(f"{where}: goes from {source.causality} to {target.causality}, expected output to input")
-    steps = [conversion(source_unit, start_unit, where)]
+    steps = [conversion(source_unit, start_unit, where, difference=source.relative)]
     if connection.convert_units:
-        steps.append(conversion(start_unit, end_unit, where))
-    steps += [(connection.factor, connection.offset), conversion(end_unit, target_unit, where)]
+        steps.append(conversion(start_unit, end_unit, where, difference=source.relative))
+    steps.append((connection.factor, connection.offset))
+    steps.append(conversion(end_unit, target_unit, where, difference=target.relative))
+    if source.relative != target.relative:
+        origins = [unit for unit in (start_unit, end_unit) if unit is not None and unit.offset != 0.0]
+        _check_kinds(source, connection, origins, where, structure.lenient)
     factor, offset = 1.0, 0.0
     for a, b in steps:
         factor, offset = a * factor, a * offset + b

@@ -27,7 +27,8 @@ class Display:
         shown = about.display_units.get(unit, {}).get(variable.display_unit or "")
         if shown is None or variable.display_unit == unit:
             return cls(unit, angle=angle)
-        return cls(variable.display_unit, *shown, angle=angle)
+        factor, offset = shown
+        return cls(variable.display_unit, factor, 0.0 if variable.relative else offset, angle)
 
     def text(self, value: float) -> str:
         """A number with six digits; an angle with six decimals, which is 0.1 m of latitude in degrees."""
