@@ -7,6 +7,7 @@ said about it, stands in ``life.py`` for both; the rest is ``runtime/instance.c`
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -130,17 +131,30 @@ def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
     return tuple(dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables)
 
 
+@cache
+def _number(component: type[Component]) -> str:
+    """Return a hash of a component's variables, tasks and tables: what a saved state must fit."""
+    layout = component.layout
+    tasks = [(task.name, task.kind, task.argument) for task in layout.tasks]
+    digest = hashlib.sha256(repr((variables(component), tasks)).encode())
+    for table in layout.tables:
+        digest.update(table.rows.tobytes())
+    return digest.hexdigest()[:16]
+
+
 class Interpreter:
     """One running instance of a component.
 
     ``set`` and ``get`` take FMI names (``x``, ``x[2]``, ``fix.valid``; the bare name of an array means all of it) or
     value references. Life: construct, set parameters, ``setup``, set inputs, ``do_step``... A call that is not
-    allowed, or a value that is not, is a :class:`NavfmuError` and changes nothing.
+    allowed, or a value that is not, is a :class:`NavfmuError` and changes nothing. A saved state fits where variables,
+    tasks and tables are the same, and so is ``build``, the name of it for those who know one.
     """
 
-    def __init__(self, component: type[Component]) -> None:
+    def __init__(self, component: type[Component], build: str = "") -> None:
         self.component = component
         self.layout = component.layout
+        self._build = f"{build} {_number(component)}".strip()
         self.variables = variables(component)
         self._index = {v.name: v.index for v in self.variables}
         self._settable = [life.settable(v.causality, v.variability, v.initial) for v in self.variables]
@@ -288,6 +302,7 @@ class Interpreter:
         self._undo_preview()
         return {
             "component": self.layout.name,
+            "build": self._build,
             "values": self.values.tolist(),
             "times": [self.time, self.start_time, self.stop_time, self.elapsed, self.rest],
             "steps": self.steps,
@@ -299,7 +314,7 @@ class Interpreter:
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Return to a saved state."""
-        if state.get("component") != self.layout.name or len(state["values"]) != len(self.variables):
+        if (state.get("component"), state.get("build")) != (self.layout.name, self._build):
             self._refuse("OTHER_STATE", self.layout.name)
         self._before = None
         self.values = np.array(state["values"], float)

@@ -124,7 +124,7 @@ MESSAGES = {
         "A step from %.15g s was asked for, but this instance is at %.15g s; to go back, restore a saved state."
     ),
     "PAST_STOP": _error("A step to %.15g s was asked for, but the experiment ends at %.15g s."),
-    "OTHER_STATE": _error("This is not a saved state of this build of '%s'."),
+    "OTHER_STATE": _error("This is not a saved state of this build of '%s', tables included."),
     "LOST": Message(
         "EVENT",
         "At %.15g s %.0f samples of '%s' were lost: the communication step is longer than their period.",

@@ -91,8 +91,13 @@ if "_INTERPRETER" not in globals():
     _COMPONENT = getattr(_load({module!r}), {component!r})
 
 
+def _tell(self, error):
+    """Tell on stderr what is refused: PythonFMU gives the reason only where the host asks for its log."""
+    print(f"{self.instance_name}: {error}", file=_sys.stderr, flush=True)
+
+
 def _told(function):
-    """Tell on stderr what is refused: PythonFMU gives the reason only where the host asks for its log.
+    """Tell what is refused.
 
     On any error it drops references that it drops once more when the instance is freed. So each is kept here twice:
     one to be dropped, one to stay.
@@ -103,7 +108,7 @@ def _told(function):
             return function(self, *arguments)
         except Exception as error:
             if isinstance(error, _ERROR):
-                print(f"{self.instance_name}: {error}", file=_sys.stderr, flush=True)
+                _tell(self, error)
             globals()["_references"] += 2 * [self, type(self), self.log_queue]
             raise
 
@@ -121,7 +126,7 @@ class {component}Slave(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.modelName = {name!r}
-        self.run = _INTERPRETER(_COMPONENT)
+        self.run = _INTERPRETER(_COMPONENT, _UNIQUE)
 
     @_told
     def setup_experiment(self, start_time, stop_time, tolerance):
@@ -142,6 +147,7 @@ class {component}Slave(Fmi2Slave):
             return True
         except _ERROR as error:
             self.log(str(error), Fmi2Status.error, "logStatusError")
+            _tell(self, error)
             return False
         finally:
             for event in self.run.events:

@@ -115,7 +115,7 @@ def test_bytes_that_are_not_a_state_of_this_build_are_refused(unzipped):
     data = sensor.serialise(state)
     for wrong in (data[:-1], data + b"\0", b"", b"x" * len(data)):
         assert sensor.deserialise(wrong)[0] == ERROR
-        assert sensor.said == "This is not a saved state of this build of 'sensor'."
+        assert sensor.said == "This is not a saved state of this build of 'sensor', tables included."
     assert listener.deserialise(data)[0] == ERROR
     small = ctypes.create_string_buffer(8)
     assert sensor.call("SerializeFMUstate", state, small, ctypes.c_size_t(8)) == ERROR

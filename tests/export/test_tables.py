@@ -1,5 +1,6 @@
 """Tables in resources: found whatever the host calls the folder, refused with file and line when they are wrong."""
 
+import ctypes
 import locale
 import shutil
 import subprocess
@@ -8,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from navfmu.errors import NavfmuError
+from navfmu.export import Table
 from navfmu.export.interpreter import Interpreter
 
 from .components import Rows
-from .slave import OK, Slave, Unzipped
+from .slave import ERROR, OK, Slave, Unzipped
 
 TABLE = "time (s),x (m)\n0.0,0.0\n1.0,2.0\n3.0,0.0\n"
 
@@ -152,18 +155,52 @@ def test_native_fmu_and_interpreter_find_the_same_rows_before_within_and_behind_
     assert found == {-2.0: everything, 0.0: everything, 10.0: {(2.5, 3.0)}}[start]
 
 
-def test_a_state_that_was_saved_with_a_longer_table_finds_the_last_rows(unzipped, tmp_path):
-    fmu = copy_of(unzipped["rows"], tmp_path / "long")
-    longer = "time (s),x (m)\n" + "".join(f"{k},{k}\n" for k in range(100_000))
-    (fmu.folder / "resources" / "track.csv").write_text(longer)
-    long, short = Slave(fmu), Slave(unzipped["rows"])
-    for slave in (long, short):
+ROWS = ["0.0,1.0", "1.0,2.0", "2.5,4.0", "3.0,8.0"]
+OTHERS = {
+    "one value": ["0.0,1.0", "1.0,2.0000000000000004", "2.5,4.0", "3.0,8.0"],
+    "two signs": ["0.0,1.0", "1.0,-2.0", "2.5,-4.0", "3.0,8.0"],
+    "a row more": [*ROWS, "4.0,8.0"],
+    "a row less": ROWS[:-1],
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
+def test_a_state_that_was_saved_with_another_table_is_refused(other, unzipped, tmp_path):
+    """Also when it is the same binary, and the host holds the state of another instance in memory."""
+    fmu = copy_of(unzipped["rows"], tmp_path / "other")
+    (fmu.folder / "resources" / "track.csv").write_text("\n".join(["time (s),x (m)", *OTHERS[other], ""]))
+    slaves = here, there = Slave(unzipped["rows"]), Slave(fmu)
+    for slave in slaves:
         slave.initialise()
-    assert long.step(0.0, 90_000.0) == OK
-    status, state = short.deserialise(long.serialise(long.save()))
-    assert status == OK
-    assert short.call("SetFMUstate", state) == OK
-    assert short.step(90_000.0, 0.5) == OK
-    assert (short.get("row"), short.get("next_row")) == ([2.5, 4.0], [3.0, 8.0])
-    long.free()
-    short.free()
+        assert slave.step(0.0, 1.5) == OK
+    state, before = there.save(), here.everything()
+    sentence = "This is not a saved state of this build of 'rows', tables included."
+    assert (here.deserialise(there.serialise(state))[0], here.said) == (ERROR, sentence)
+    assert (here.call("SetFMUstate", state), here.said) == (ERROR, sentence)
+    assert (here.call("GetFMUstate", ctypes.byref(state)), here.said) == (ERROR, sentence)
+    assert here.everything() == before
+    assert there.call("SetFMUstate", state) == OK
+    for slave in slaves:
+        slave.free()
+
+
+def test_a_state_fits_where_the_same_numbers_are_written_otherwise(unzipped, tmp_path):
+    fmu = copy_of(unzipped["rows"], tmp_path / "other")
+    (fmu.folder / "resources" / "track.csv").write_text("time (s),x (m)\r\n0,1\r\n1e0,2\r\n2.50,4\r\n3,8\r\n")
+    here, there = Slave(unzipped["rows"]), Slave(fmu)
+    assert here.deserialise(there.serialise(there.save()))[0] == OK
+    here.free()
+    there.free()
+
+
+def test_the_interpreter_refuses_the_state_of_another_table_and_of_another_build():
+    class Other(Rows):
+        name = "rows"
+        track = Table(columns=(("time", "s"), ("x", "m")), rows=[[0.0, 1.0], [1.0, 2.0], [2.5, 4.5], [3.0, 8.0]])
+
+    assert [v.name for v in Interpreter(Other).variables] == [v.name for v in Interpreter(Rows).variables]
+    sentence = "This is not a saved state of this build of 'rows', tables included."
+    for other in (Interpreter(Other), Interpreter(Rows, "another")):
+        with pytest.raises(NavfmuError, match=sentence):
+            other.set_state(Interpreter(Rows).get_state())
+    Interpreter(Rows, "another").set_state(Interpreter(Rows, "another").get_state())

@@ -1,10 +1,12 @@
 """The Python twin: valid, same numbers as the native FMU, honest state, several in one process."""
 
+import ctypes
 import hashlib
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from types import ModuleType
 
 import fmpy
 import numpy as np
@@ -19,8 +21,10 @@ from navfmu.export.twin import build_twin, sources
 from tests import built
 
 from .components import Listener, Sensor, Source, TwoRates
+from .slave import DISCARD, OK, Slave, Unzipped
 
 ROOT = Path(__file__).parents[2]
+FATAL = 4
 SMALL = {"sensor": Sensor, "listener": Listener, "source": Source, "two_rates": TwoRates}
 EVERY = {**SMALL, **built.components()}
 
@@ -204,6 +208,43 @@ def test_rejected_parameter_of_the_twin_says_why(logging, twins, capfd):
         fmpy.simulate_fmu(str(folder), stop_time=1.0, start_values={"sigma": -1.0}, debug_logging=logging)
     output = capfd.readouterr()
     assert "Parameter 'sigma' is -1 m; expected a value from 0 to 10 m." in output.out + output.err
+
+
+@pytest.mark.parametrize("categories", [None, [], [b"logEvents"]])
+def test_a_refused_step_of_the_twin_says_why(categories, twins, tmp_path, capfd):
+    """Whatever is asked for: no log, all of it, another category."""
+    one = Slave(Unzipped(twins("listener")[0], tmp_path / "one"), logging=int(categories is not None))
+    if categories:
+        names = (ctypes.c_char_p * len(categories))(*categories)
+        assert one.call("SetDebugLogging", 1, ctypes.c_size_t(len(categories)), names) == OK
+    one.initialise()
+    assert one.step(1.0, 0.1) == DISCARD
+    sentence = "A step from 1 s was asked for, but this instance is at 0 s; to go back, restore a saved state."
+    assert sentence in capfd.readouterr().err
+    assert [told for _, _, told in one.messages] == ([sentence] if categories == [] else [])
+    one.free()
+
+
+def test_a_saved_state_of_another_build_of_the_twin_is_refused(tmp_path, capfd):
+    """The same variables, tasks and tables, and another equation."""
+    text = "from navfmu.export import Component, Input, Output, Parameter, every\n\n\nclass {0}(Component):\n"
+    text += "    name = 'same'\n    u, y, pace = Input('m'), Output('m'), Parameter('s', start=0.1)\n\n"
+    text += "    @every('pace')\n    def step(self):\n        self.y = {1} * self.u\n"
+    slaves = []
+    for factor in (1.0, 2.0):
+        module = ModuleType(f"same_{factor:.0f}")
+        module.__file__ = str(tmp_path / f"{module.__name__}.py")
+        Path(module.__file__).write_text(text.format("Same", factor))
+        sys.modules[module.__name__] = module
+        exec(compile(text.format("Same", factor), module.__file__, "exec"), vars(module))
+        fmu = build_twin(module.Same, tmp_path / module.__name__, pictures=False)
+        slaves.append(Slave(Unzipped(fmu, tmp_path / module.__name__ / "unzipped")))
+    one, two = slaves
+    data = one.serialise(one.save())
+    status, state = two.deserialise(data)
+    assert status != OK or two.call("SetFMUstate", state) == FATAL
+    assert "This is not a saved state of this build of 'same', tables included." in capfd.readouterr().err
+    assert one.call("SetFMUstate", one.deserialise(data)[1]) == OK
 
 
 def test_many_twins_in_one_process_do_not_disturb_each_other(twins, tmp_path):

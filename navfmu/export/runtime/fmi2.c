@@ -23,10 +23,11 @@ typedef struct {
 typedef struct {
     char magic[8];
     char guid[40];
-    uint64_t size; /* of the block that follows */
+    uint64_t tables; /* what they hold, as a number */
+    uint64_t size;   /* of the block that follows */
 } Snapshot;
 
-static const char snapshot_magic[8] = {'n', 'a', 'v', 'f', 'm', 'u', '0', '2'};
+static const char snapshot_magic[8] = {'n', 'a', 'v', 'f', 'm', 'u', '0', '3'};
 
 /* ---- reports ---- */
 
@@ -87,7 +88,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, co
         }
         log |= categories[k].bits;
     }
-    slave->log = on ? log : LOG_UNASKED;
+    slave->log = on ? log | LOG_UNASKED : LOG_UNASKED; /* why a call was refused is told whatever is asked for */
     slave->core.log_events = slave->log & LOG_EVENTS;
     return fmi2OK;
 }
@@ -379,14 +380,18 @@ static size_t snapshot_size(const Slave *slave) {
     return sizeof(Snapshot) + slave->core.state_size;
 }
 
-/* Whether the bytes are a state of this very build; says so when not. */
+/* The head of a state of this instance: what tells it from one of another build, and of one with other tables. */
+static Snapshot head_of(const Slave *slave) {
+    Snapshot head = {{0}, {0}, slave->core.table_number, slave->core.state_size};
+    memcpy(head.magic, snapshot_magic, sizeof head.magic);
+    strncpy(head.guid, model.guid, sizeof head.guid - 1);
+    return head;
+}
+
+/* Whether the bytes are a state of this very build with these tables; says so when not. */
 static int belongs(Slave *slave, const void *bytes, size_t size) {
-    Snapshot head = {{0}, {0}, 0};
-    if (bytes && size >= sizeof head) memcpy(&head, bytes, sizeof head);
-    if (size == snapshot_size(slave) && memcmp(head.magic, snapshot_magic, sizeof head.magic) == 0 &&
-        strncmp(head.guid, model.guid, sizeof head.guid - 1) == 0 && head.size == slave->core.state_size) {
-        return 1;
-    }
+    const Snapshot head = head_of(slave);
+    if (bytes && size == snapshot_size(slave) && memcmp(bytes, &head, sizeof head) == 0) return 1;
     instance_say(&slave->core, SAY_OTHER_STATE, model.identifier);
     return 0;
 }
@@ -399,9 +404,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     if (!snapshot) {
         snapshot = calloc(1, snapshot_size(slave));
         if (!snapshot) return refuse(slave, "There is not enough memory for a saved state.");
-        memcpy(snapshot->magic, snapshot_magic, sizeof snapshot->magic);
-        strncpy(snapshot->guid, model.guid, sizeof snapshot->guid - 1);
-        snapshot->size = slave->core.state_size;
+        *snapshot = head_of(slave);
         *state = snapshot;
     }
     instance_undo_preview(&slave->core);

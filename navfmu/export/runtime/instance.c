@@ -80,6 +80,7 @@ static int instance_create(Instance *self, const char *resources) {
             instance_say(self, ERROR, "%s", problem);
             return 1;
         }
+        self->table_number = table_number(&self->tables[i], self->table_number);
     }
     instance_reset(self);
     return 0;

@@ -37,6 +37,7 @@ struct Instance {
     int previewed;    /* which `before` undoes */
 
     Table *tables;    /* constant after instantiation */
+    uint64_t table_number; /* what they hold, as a number */
     int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
 
     /* buffers of one task's run */

@@ -169,6 +169,17 @@ static void table_free(Table *table) {
     table->values = NULL;
 }
 
+static uint64_t table_number(const Table *table, uint64_t before) {
+    const size_t count = (size_t)table->rows * (size_t)table->columns;
+    uint64_t number = before ^ count, bits;
+    for (size_t i = 0; i < count; i++) {
+        memcpy(&bits, &table->values[i], sizeof bits);
+        number = (number ^ bits) * 0x9E3779B97F4A7C15u; /* as in FNV, by words; then high bits reach low ones, too */
+        number ^= number >> 32;
+    }
+    return number;
+}
+
 static void table_rows(const Table *table, double time, int64_t *cursor, double *out) {
     const int columns = table->columns;
     int64_t row = *cursor;

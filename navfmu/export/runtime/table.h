@@ -15,6 +15,9 @@ typedef struct {
 static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size);
 static void table_free(Table *table);
 
+/* A number that depends on every bit of the table, and on the number of the tables before it. */
+static uint64_t table_number(const Table *table, uint64_t before);
+
 /* Copy the last row not after `time` and the row that follows it; the cursor remembers the place for the next call.
    Before the first row these are the first two rows, after the last row the last two. */
 static void table_rows(const Table *table, double time, int64_t *cursor, double *out);
