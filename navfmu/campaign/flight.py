@@ -59,7 +59,7 @@ def _keep(
         place=place,
         recording=None if file is None else file.name,
         sha256=None if file is None else content_hash(file),
-        notes=() if frame is None else tuple(other_notes(frame)),
+        notes=() if frame is None else tuple(other_notes(frame, idle=False)),
         not_finite={} if frame is None else frame.attrs["not_finite"],
         idle={} if frame is None else frame.attrs["idle"],
     )

@@ -86,10 +86,10 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     return frame
 
 
-def other_notes(frame: pandas.DataFrame, *, lost: bool = True) -> list[str]:
-    """The notes of a run without those that ``not_finite`` and ``idle`` tell (and ``lost``): they differ by run."""
+def other_notes(frame: pandas.DataFrame, *, lost: bool = True, idle: bool = True) -> list[str]:
+    """The notes of a run without those that ``not_finite`` tells (and ``lost``, ``idle``): they differ by run."""
     told = [f"'{visible(name)}' is not finite at " for name in frame.attrs["not_finite"]]
-    told += [f"fault '{visible(fault)}' {why}" for fault, why in frame.attrs["idle"].items()]
+    told += [] if idle else [f"fault '{visible(fault)}' {why}" for fault, why in frame.attrs["idle"].items()]
     told += [] if lost else [f" of '{visible(bundle(name))}' w" for name in frame.attrs["lost"]]
     return [note for note in frame.attrs["notes"] if not any(part in note for part in told)]
 

@@ -17,6 +17,7 @@ from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
 from navfmu.engine.reference import Reference
 from navfmu.errors import NavfmuError
+from navfmu.faults import Fault
 from navfmu.sweep.compare import difference
 from navfmu.sweep.recommendation import recommendation
 from navfmu.sweep.sweep import sweep
@@ -158,6 +159,13 @@ def test_a_step_at_which_the_fmu_ends_the_run_at_once_is_not_recommended(file, l
     assert {row.step for row in result.problems} == {0.4}
     assert "Use gauss_seidel with steps up to 0.2 s" in text
     assert "At 0.4 s: stepper.x is recorded up to 0 s, and up to 2 s at the smallest step" in text
+
+
+def test_a_sweep_tells_of_a_fault_that_changed_nothing(file):
+    late = Fault("late", "stepper.x", "bias", 1.0, parameters={"value": 1.0})
+    experiment = System.load(file).experiment(stop=2.0, step=0.125, parameters={"stepper.ends_at": 0.9}, faults=[late])
+    result = sweep(experiment, [0.125, 0.25])
+    assert "fault 'late' starts at 1 s, but the run ended at 0.875 s" in result.notes
 
 
 def test_a_run_that_should_have_ended_is_not_like_one_that_has():
