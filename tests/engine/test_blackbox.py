@@ -55,7 +55,8 @@ def test_the_place_and_the_rows_survive_the_process(tmp_path, way, call):
     where, rows = FOUND[call]
     if way == "hang":
         with BlackBox.open(path, flight) as box:
-            wait_for(lambda: where in box.whereabouts())
+            hangs = f"component 'bad' in {where}"
+            wait_for(lambda: box.whereabouts() == hangs and (box.said() or call == "instantiate"))
             assert box.place.rows == rows  # seen from outside while it hangs
         child.kill()
     assert child.wait(30) == ENDS[way]
