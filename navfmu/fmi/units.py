@@ -22,6 +22,11 @@ class Unit:
     factor: float = 1.0
     offset: float = 0.0
 
+    @property
+    def plain(self) -> bool:
+        """Whether a value in it is a plain number."""
+        return self.name == "1" or (self.exponents is not None and not any(self.exponents) and self.factor == 1.0)
+
 
 def _unit(name: str, factor: float = 1.0, offset: float = 0.0, **powers: int) -> Unit:
     return Unit(name, tuple(powers.get(base, 0) for base in BASE), factor, offset)

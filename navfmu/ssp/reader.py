@@ -18,12 +18,13 @@ from navfmu.files.digest import content_hash
 from navfmu.files.markup import parse, validate
 from navfmu.files.reading import read_bytes
 from navfmu.fmi.units import BASE, Unit
-from navfmu.ssp.document import MAIN, NAMESPACES, OMS, schema
+from navfmu.ssp import annotations
+from navfmu.ssp.document import MAIN, NAMESPACES, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
 
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
 UNSAID = ""  # the kind of a connector that only a connection names
-MASTER = "ssd:Annotations/ssc:Annotation//oms:FixedStepMaster"
+MASTER = "ssd:System/ssd:Annotations/ssc:Annotation//oms:FixedStepMaster"
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 
 
@@ -79,13 +80,13 @@ class _Reader:
                 self.lenient += [f"{self.origin}: {habit}" for habit in habits(archive)]
         root = self._parse(self.file, "SystemStructureDescription", "ssd")
         system = root.find("ssd:System", NAMESPACES)
-        self.units = _units(root.find("ssd:Units", NAMESPACES))
-        self.enumerations = _enumerations(root.find("ssd:Enumerations", NAMESPACES))
-        self._note_unused(root, system)
+        self.units = self._units(root.find("ssd:Units", NAMESPACES), self._label(self.file))
+        self.enumerations = self._enumerations(root.find("ssd:Enumerations", NAMESPACES), self._label(self.file))
+        self._note_unused(system)
         components = self._components(system)
         self._system_settings(system, components)
         connections = self._connections(system, components)
-        stop_time, step = self._experiment(root, system)
+        stop_time, step = self._experiment(root)
         return Structure(
             name=root.get("name") or system.get("name"),
             description=system.get("description") or root.get("description") or "",
@@ -123,6 +124,9 @@ class _Reader:
                 f"{label}: is for SSP {version}, expected SSP 1.0: documents of SSP 2.0 cannot be read yet"
             )
         validate(root, schema(rules), label, self.lenient)
+        read = (root.find(".//osp:FixedStepAlgorithm", NAMESPACES), root.find(MASTER, NAMESPACES))
+        unread = annotations.unread(root, label, [element for element in read if element is not None])
+        self.ignored += [line for line in unread if line not in self.ignored]
         return root
 
     def _resolve(self, source: str, where: str) -> Path:
@@ -130,29 +134,22 @@ class _Reader:
         parts = urlsplit(source)
         if parts.scheme or parts.netloc or parts.fragment:
             raise NavfmuError(f"{where}: source '{source}' is not supported, expected a relative path")
-        base = self.file.parent.resolve()
-        path = (base / unquote(parts.path)).resolve()
+        base, name = self.file.parent.resolve(), unquote(parts.path)
+        if "\\" in name and not (base / name).exists():
+            self.lenient.append(f"{where}: source '{source}' is written with \\ for /")
+            name = name.replace("\\", "/")
+        path = (base / name).resolve()
         if self.origin.is_file() and self.origin != self.file and not path.is_relative_to(base):
             raise NavfmuError(f"{where}: source '{source}' lies outside the package")
         return path
 
     # -- elements ------------------------------------------------------------------------------------------------
 
-    def _note_unused(self, root: Any, system: Any) -> None:
+    def _note_unused(self, system: Any) -> None:
         label = self._label(self.file)
-        checks = (
-            (root, "ssd:Annotations", "annotations of the document"),
-            (system, "ssd:SignalDictionaries", "signal dictionaries"),
-        )
-        for parent, path, what in checks:
-            found = parent.find(path, NAMESPACES)
-            if found is not None:
-                self.ignored.append(f"{label}, line {found.sourceline}: {what}")
-        for annotation in system.iterfind("ssd:Annotations/ssc:Annotation", NAMESPACES):
-            if annotation.get("type") != OMS or annotation.find(".//oms:FixedStepMaster", NAMESPACES) is None:
-                self.ignored.append(
-                    f"{label}, line {annotation.sourceline}: annotation '{annotation.get('type')}' of the system"
-                )
+        dictionaries = system.find("ssd:SignalDictionaries", NAMESPACES)
+        if dictionaries is not None:
+            self.ignored.append(f"{label}, line {dictionaries.sourceline}: signal dictionaries")
         for connector in system.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
             self.ignored.append(
                 f"{label}, line {connector.sourceline}: root connector '{connector.get('name')}' "
@@ -172,6 +169,8 @@ class _Reader:
                 raise NavfmuError(f"{where}: nested systems are not supported, expected a flat system of FMUs")
             if kind == "SignalDictionaryReference":
                 raise NavfmuError(f"{where}: signal dictionaries are not supported, connect the components directly")
+            if "." in element.get("name"):
+                raise NavfmuError(f"{where}: expected a name without a dot: it stands between component and variable")
             component = self._component(element, where)
             if component.name in components:
                 raise NavfmuError(f"{where}: the name is taken by another component")
@@ -195,12 +194,11 @@ class _Reader:
                 raise NavfmuError(f"{where}: its FMU '{source}' is missing")
             self.notes.append(f"{element.get('name')}: '{source}' is not beside the document; {known} is used")
             path = known
-        for annotation in element.iterfind("ssd:Annotations/ssc:Annotation", NAMESPACES):
-            self.ignored.append(f"{where}: annotation '{annotation.get('type')}'")
-        connectors = {}
+        connectors: dict[str, Connector] = {}
         for item in element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
             connector = self._connector(item, where)
-            connectors[connector.name] = connector
+            place = f"{self._label(self.file)}, line {item.sourceline}: connector '{connector.name}'"
+            self._add(connectors, connector.name, connector, place)
         settings = [
             setting
             for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES)
@@ -217,6 +215,14 @@ class _Reader:
                 unit = self._unit(found.get("unit"))
                 items = self._items(kind, found.get("name"), f"{where}: connector '{name}'")
         return Connector(name, item.get("kind"), kind, unit, items)
+
+    def _add(self, known: dict[Any, Any], name: Any, value: Any, where: str) -> None:
+        """Add what has a name once; the same once more is put up with."""
+        if known.get(name, value) != value:
+            raise NavfmuError(f"{where}: stands here twice, and differs")
+        if name in known:
+            self.lenient.append(f"{where}: stands here twice")
+        known[name] = value
 
     def _items(
         self, kind: str, name: str | None, where: str, known: Mapping[str, dict[str, int]] | None = None
@@ -281,11 +287,7 @@ class _Reader:
 
     def _binding(self, binding: Any, component: Path | None) -> list[Setting]:
         where = f"{self._label(self.file)}, line {binding.sourceline}: parameter binding"
-        kind = binding.get("type", "application/x-ssp-parameter-set")
-        if kind != "application/x-ssp-parameter-set":
-            raise NavfmuError(f"{where}: type '{kind}' is not supported, expected application/x-ssp-parameter-set")
-        if binding.get("sourceBase") == "component":
-            raise NavfmuError(f"{where}: sourceBase 'component' is not supported, expected 'SSD'")
+        _check_source(binding, "application/x-ssp-parameter-set", where)
         inline = binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
         if binding.get("source"):
             file = self._resolve(binding.get("source"), where)
@@ -302,9 +304,9 @@ class _Reader:
         return settings if mapping is None else self._mapped(settings, mapping, where)
 
     def _settings(self, root: Any, label: str, prefix: str) -> list[Setting]:
-        units = _units(root.find("ssv:Units", NAMESPACES))
-        enumerations = _enumerations(root.find("ssv:Enumerations", NAMESPACES))
-        settings = []
+        units = self._units(root.find("ssv:Units", NAMESPACES), label)
+        enumerations = self._enumerations(root.find("ssv:Enumerations", NAMESPACES), label)
+        settings: dict[str, Setting] = {}
         for parameter in root.iterfind("ssv:Parameters/ssv:Parameter", NAMESPACES):
             where = f"{label}, line {parameter.sourceline}"
             name = prefix + parameter.get("name")
@@ -322,21 +324,28 @@ class _Reader:
                         f"{where}: parameter '{name}' is '{typed}', expected one of {', '.join(items)}"
                         f"{nearest(typed, items)}"
                     )
-            settings.append(Setting(name, kind, typed, definition, where, items=items))
-        return settings
+            if name in settings:
+                self.lenient.append(
+                    f"{settings.pop(name).where}: parameter '{name}' has no effect: it stands in the set once more, in "
+                    f"line {parameter.sourceline}"
+                )
+            settings[name] = Setting(name, kind, typed, definition, where, items=items)
+        return list(settings.values())
 
     def _mapped(self, settings: list[Setting], element: Any, where: str) -> list[Setting]:
+        where = f"{where}, its parameter mapping"
+        _check_source(element, "application/x-ssp-parameter-mapping", where)
         inline = element.find("ssm:ParameterMapping", NAMESPACES)
         if element.get("source"):
             file = self._resolve(element.get("source"), where)
             if not file.exists():
-                raise NavfmuError(f"{where}: its parameter mapping '{element.get('source')}' is missing")
+                raise NavfmuError(f"{where}: '{element.get('source')}' is missing")
             root, label = self._parse(file, "SystemStructureParameterMapping", "ssm"), self._label(file)
         elif inline is not None:
             root, label = inline, self._label(self.file)
             validate(root, schema("SystemStructureParameterMapping"), label, self.lenient)
         else:
-            raise NavfmuError(f"{where}: its parameter mapping has neither a source nor inline entries")
+            raise NavfmuError(f"{where}: has neither a source nor inline entries")
         by_name = {setting.name: setting for setting in settings}
         mapped, used = [], set()
         for entry in root.iterfind("ssm:MappingEntry", NAMESPACES):
@@ -345,13 +354,55 @@ class _Reader:
                 self.ignored.append(f"{place}: mapping of '{source}', which the parameter set does not have")
                 continue
             used.add(source)
-            mapped.append(_map(by_name[source], entry, place))
+            mapped.append(self._map(by_name[source], entry, place))
         for name in by_name.keys() - used:
             self.ignored.append(f"{by_name[name].where}: parameter '{name}' is not in the mapping")
         self.ignored.sort()
         return mapped
 
-    def _experiment(self, root: Any, system: Any) -> tuple[float | None, float | None]:
+    def _map(self, setting: Setting, entry: Any, where: str) -> Setting:
+        found, value = _transformation(entry), setting.value
+        unit = None if entry.get("suppressUnitConversion") in ("true", "1") else setting.unit
+        if found is not None and found[0] == "Linear":
+            if setting.type not in ("Real", "Integer"):
+                raise NavfmuError(f"{where}: a LinearTransformation needs a number, '{setting.name}' is {setting.type}")
+            factor, offset = float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
+            return Setting(entry.get("target"), setting.type, value, unit, where, factor, offset)
+        items = setting.items
+        if found is not None:
+            kind = found[0].removesuffix("Mapping")
+            table: dict[Any, Any] = {}
+            for item in found[1].iterfind("ssc:MapEntry", NAMESPACES):
+                source = item.get("source")
+                self._add(
+                    table, _typed(kind, source), _typed(kind, item.get("target")), f"{where}: entry of '{source}'"
+                )
+            if value not in table:
+                raise NavfmuError(f"{where}: the value {value} of '{setting.name}' has no entry in its {found[0]}")
+            value, items = table[value], None
+        return Setting(entry.get("target"), setting.type, value, unit, where, items=items)
+
+    def _enumerations(self, element: Any, label: str) -> dict[str, dict[str, int]]:
+        """The items of enumerations by their names."""
+        found: dict[str, dict[str, int]] = {}
+        for enumeration in element.iterfind("ssc:Enumeration", NAMESPACES) if element is not None else ():
+            name, items = enumeration.get("name"), {}
+            for item in enumeration.iterfind("ssc:Item", NAMESPACES):
+                where = f"{label}, line {item.sourceline}: item '{item.get('name')}' of enumeration '{name}'"
+                self._add(items, item.get("name"), int(item.get("value")), where)
+            self._add(found, name, items, f"{label}, line {enumeration.sourceline}: enumeration '{name}'")
+        return found
+
+    def _units(self, element: Any, label: str) -> dict[str, Unit]:
+        found: dict[str, Unit] = {}
+        for unit in element.iterfind("ssc:Unit", NAMESPACES) if element is not None else ():
+            base, name = unit.find("ssc:BaseUnit", NAMESPACES), unit.get("name")
+            exponents = tuple(int(base.get(power, 0)) for power in BASE)
+            defined = Unit(name, exponents, float(base.get("factor", 1.0)), float(base.get("offset", 0.0)))
+            self._add(found, name, defined, f"{label}, line {unit.sourceline}: unit '{name}'")
+        return found
+
+    def _experiment(self, root: Any) -> tuple[float | None, float | None]:
         """Stop time and step (s); the step as libcosim reads it, or else as OMSimulator does."""
         experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
         if experiment is None:
@@ -360,7 +411,7 @@ class _Reader:
             where = f"{self._label(self.file)}, line {experiment.sourceline}"
             self.ignored.append(f"{where}: startTime {experiment.get('startTime')}: runs start at 0 s")
         stop = experiment.get("stopTime")
-        algorithm, master = root.find(".//osp:FixedStepAlgorithm", NAMESPACES), system.find(MASTER, NAMESPACES)
+        algorithm, master = root.find(".//osp:FixedStepAlgorithm", NAMESPACES), root.find(MASTER, NAMESPACES)
         name, step = "", None
         if algorithm is not None:
             name, step = "baseStepSize", algorithm.get("baseStepSize")
@@ -372,24 +423,13 @@ class _Reader:
             raise NavfmuError(f"{self._label(self.file)}: {name} '{step}' is not a number") from None
 
 
-def _enumerations(element: Any) -> dict[str, dict[str, int]]:
-    """The items of enumerations by their names."""
-    return {
-        enumeration.get("name"): {
-            item.get("name"): int(item.get("value")) for item in enumeration.iterfind("ssc:Item", NAMESPACES)
-        }
-        for enumeration in (element.iterfind("ssc:Enumeration", NAMESPACES) if element is not None else ())
-    }
-
-
-def _units(element: Any) -> dict[str, Unit]:
-    units: dict[str, Unit] = {}
-    for unit in element.iterfind("ssc:Unit", NAMESPACES) if element is not None else ():
-        base = unit.find("ssc:BaseUnit", NAMESPACES)
-        exponents = tuple(int(base.get(name, 0)) for name in BASE)
-        name = unit.get("name")
-        units[name] = Unit(name, exponents, float(base.get("factor", 1.0)), float(base.get("offset", 0.0)))
-    return units
+def _check_source(element: Any, expected: str, where: str) -> None:
+    """Refuse values and mappings of another type, and those that lie in a component."""
+    kind = element.get("type", expected)
+    if kind != expected:
+        raise NavfmuError(f"{where}: type '{kind}' is not supported, expected {expected}")
+    if element.get("sourceBase") == "component":
+        raise NavfmuError(f"{where}: sourceBase 'component' is not supported, expected 'SSD'")
 
 
 def _typed(kind: str, text: str) -> float | int | bool | str:
@@ -417,24 +457,3 @@ def _linear(element: Any, where: str) -> tuple[float, float]:
     if found[0] != "Linear":
         raise NavfmuError(f"{where}: {found[0]}Transformation is not supported on a connection")
     return float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
-
-
-def _map(setting: Setting, entry: Any, where: str) -> Setting:
-    found, value = _transformation(entry), setting.value
-    unit = None if entry.get("suppressUnitConversion") in ("true", "1") else setting.unit
-    if found is not None and found[0] == "Linear":
-        if setting.type not in ("Real", "Integer"):
-            raise NavfmuError(f"{where}: a LinearTransformation needs a number, '{setting.name}' is {setting.type}")
-        factor, offset = float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
-        return Setting(entry.get("target"), setting.type, value, unit, where, factor, offset)
-    items = setting.items
-    if found is not None:
-        kind = found[0].removesuffix("Mapping")
-        table = {
-            _typed(kind, item.get("source")): _typed(kind, item.get("target"))
-            for item in found[1].iterfind("ssc:MapEntry", NAMESPACES)
-        }
-        if value not in table:
-            raise NavfmuError(f"{where}: the value {value} of '{setting.name}' has no entry in its {found[0]}")
-        value, items = table[value], None
-    return Setting(entry.get("target"), setting.type, value, unit, where, items=items)

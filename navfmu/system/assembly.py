@@ -68,8 +68,7 @@ class Assembly:
         links = tuple(_link(connection, structure, fmus) for connection in structure.connections)
         fed = {link.target: link.source for link in links}
         values = {
-            name: _settings(component, fmus[name], fed, structure.ignored)
-            for name, component in structure.components.items()
+            name: _settings(component, fmus[name], fed, structure) for name, component in structure.components.items()
         }
         assembly = cls(structure, fmus, values, links, variant)
         assembly._check_unconnected()
@@ -307,28 +306,44 @@ def _unit_of(fmu: Fmu, variable: Variable) -> Unit | None:
     return fmu.description.units.get(variable.unit) or Unit(variable.unit)
 
 
-def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], ignored: list[str]) -> dict[str, Any]:
+def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure: Structure) -> dict[str, Any]:
     """The values of a component in its own types and units; those without effect are listed.
 
-    These are of names that the FMU does not have, and of inputs that are ``fed`` by another component.
+    These are of names that the FMU does not have, of inputs that are ``fed`` by another component, those that a later
+    one overrides, and units of what has none.
     """
     values: dict[str, Any] = {}
+    places: dict[str, str] = {}
+    ignored = structure.ignored
     for setting in component.settings:
         variable = fmu.description.by_name.get(setting.name)
         if variable is None:
             hint = nearest(setting.name, fmu.description.by_name)
             ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{hint}")
             continue
-        source = fed.get(f"{component.name}.{setting.name}")
-        if source is not None:
-            ignored.append(f"{setting.where}: '{component.name}.{setting.name}' is connected to '{source}'")
+        name = f"{component.name}.{setting.name}"
+        if name in fed:
+            ignored.append(f"{setting.where}: '{name}' is connected to '{fed[name]}'")
             continue
-        where = f"{setting.where}: {component.name}"
-        values[setting.name] = checked(fmu.description, variable, _converted(setting, fmu, variable, where), where)
+        where, unit = f"{setting.where}: {component.name}", _setting_unit(component, fmu, variable)
+        if unit is None and setting.unit is not None and not setting.unit.plain:
+            ignored.append(f"{setting.where}: the unit '{setting.unit.name}' of '{name}', which has none")
+        value = checked(fmu.description, variable, _converted(setting, variable, unit, where), where)
+        if setting.name in values:
+            ignored.append(f"{places[setting.name]}: the value of '{name}' is overridden in {setting.where}")
+        values[setting.name], places[setting.name] = value, setting.where
     return values
 
 
-def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> Any:
+def _setting_unit(component: Component, fmu: Fmu, variable: Variable) -> Unit | None:
+    """The unit of a variable as its FMU says it, or else its connector."""
+    connector = component.connectors.get(variable.name)
+    if variable.type == "Real" and not variable.unit and connector is not None:
+        return connector.unit
+    return _unit_of(fmu, variable)
+
+
+def _converted(setting: Setting, variable: Variable, unit: Unit | None, where: str) -> Any:
     value = setting.value
     if setting.items is not None and isinstance(value, str):
         if value not in setting.items:
@@ -336,8 +351,8 @@ def _converted(setting: Setting, fmu: Fmu, variable: Variable, where: str) -> An
             raise NavfmuError(f"{where}: '{variable.name}' is '{value}', expected one of {known}")
         value = setting.items[value]
     if variable.type == "Real" and not isinstance(value, (bool, str)):
-        own, what = _unit_of(fmu, variable), f"{where}: '{variable.name}'"
-        factor, offset = conversion(setting.unit, own, what, difference=variable.relative)
+        what = f"{where}: '{variable.name}'"
+        factor, offset = conversion(setting.unit, unit, what, difference=variable.relative)
         return setting.factor * (factor * value + offset) + setting.offset
     if (setting.factor, setting.offset) != (1.0, 0.0):
         return setting.factor * value + setting.offset

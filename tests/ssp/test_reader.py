@@ -307,7 +307,7 @@ def test_root_connectors_are_tolerated_and_listed(folder):
 def test_annotations_and_unknown_parameter_names_are_listed(folder):
     tail = '<ssd:Annotations><ssc:Annotation type="x"/></ssd:Annotations>'
     ignored = load(folder, ssd(a=bindings(inline(real("gian", 1))), tail=tail)).structure.ignored
-    assert any("annotations of the document" in line for line in ignored)
+    assert any("annotation 'x' of the document" in line for line in ignored)
     assert any("no variable 'gian'; did you mean 'gain'" in line for line in ignored)
 
 
