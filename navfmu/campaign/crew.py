@@ -9,8 +9,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
@@ -37,7 +37,8 @@ class Crew:
 
     def __init__(self, timeout: float | None = None) -> None:
         self._timeout = timeout
-        self._folder = tempfile.TemporaryDirectory(prefix="navfmu-campaign-", ignore_cleanup_errors=True)
+        with _writing("the folder for temporary files"):
+            self._folder = tempfile.TemporaryDirectory(prefix="navfmu-campaign-", ignore_cleanup_errors=True)
         self._idle: SimpleQueue[Worker] = SimpleQueue()
 
     def __enter__(self) -> Crew:
@@ -72,7 +73,19 @@ class Crew:
                 worker = self._idle.get_nowait()
                 if worker.alive:
                     return worker
-        return Worker(Path(tempfile.mkdtemp(prefix="worker-", dir=self._folder.name)))
+        with _writing(self._folder.name):
+            return Worker(Path(tempfile.mkdtemp(prefix="worker-", dir=self._folder.name)))
+
+
+@contextmanager
+def _writing(place: str) -> Iterator[None]:
+    """While something is written that is needed only for now."""
+    try:
+        yield
+    except OSError as error:
+        raise NavfmuError(
+            f"{place}: cannot be written: {error.strerror or error}; set TMPDIR to a folder that can"
+        ) from None
 
 
 class Worker:
@@ -125,14 +138,17 @@ class Worker:
         self._said = self._log.stat().st_size  # what was printed before is of another run
         about = {"experiment": run.experiment.describe(), "variant": run.variant, "case": run.case.name, "key": run.key}
         self._send(about | {"folder": str(folder.resolve()), "box": str(self._box), "cwd": os.getcwd()})
-        end = None if timeout is None else time.monotonic() + timeout
         steps = round(run.experiment.stop / run.experiment.step)
 
         def look() -> None:
             progress(min(steps_made(self._box), steps - 1), steps)  # the last one counts when the recording is written
 
+        end, answer = None, {"sent": True}
         try:
-            answer = self._answer(end, look)
+            while answer is not None and not answer.keys() & {"done", "refused", "broken"}:
+                answer = self._answer(end, look)
+                if answer is not None:  # the time that its FMUs take, and not that of loading and writing
+                    end = time.monotonic() + timeout if timeout is not None and "begun" in answer else None
         except TimeoutError:
             self.end()
             return self._lost(run, folder, f"took longer than the timeout of {timeout:g} s")

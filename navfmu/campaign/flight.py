@@ -25,13 +25,19 @@ def fly(
     folder: Path,
     progress: Callable[[int, int], None] | None = None,
     memory: Callable[[Plan], BlackBox] | None = None,
+    landed: Callable[[], None] = lambda: None,
 ) -> None:
-    """Do the run; an FMU's refusal is an answer, too, with the rows recorded before."""
+    """Do the run; an FMU's refusal is an answer, too, with the rows recorded before.
+
+    ``landed`` is called when no FMU will be called any more, before anything is written.
+    """
     try:
         frame = run.experiment.run(progress, memory)
     except RunError as error:
+        landed()
         fail(run, folder, str(error), error.place, error.recording)
     else:
+        landed()
         _keep(run, folder, frame, None, {})
 
 
@@ -64,3 +70,6 @@ def _keep(
         idle={} if frame is None else frame.attrs["idle"],
     )
     write_file(run.answer(folder), answer.text())
+    for other in (run.recording(folder, whole) for whole in (True, False)):
+        if other != file:  # of an earlier try
+            other.unlink(missing_ok=True)

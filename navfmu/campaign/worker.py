@@ -1,8 +1,8 @@
 """A worker process: flies the runs that it is told of, one after the other. ``python -m navfmu.campaign.worker``.
 
-One JSON object a line comes in on standard input, one goes out for each on a copy of standard output; what FMUs print
-goes to standard error. When the campaign's own process is gone, standard input ends, and so does the worker, even
-in the middle of an FMU that never returns.
+One JSON object a line comes in on standard input. On a copy of standard output three go out for each: when its FMUs
+begin, when they have ended, and when it is done; what FMUs print goes to standard error. When the campaign's own
+process is gone, standard input ends, and so does the worker, even in the middle of an FMU that never returns.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from navfmu.campaign.definition import Case
 from navfmu.campaign.flight import fly
 from navfmu.campaign.runs import Run
 from navfmu.engine.blackbox import BlackBox
+from navfmu.engine.plan import Plan
 from navfmu.errors import NavfmuError
 from navfmu.system.experiment import Experiment
 from navfmu.system.system import System
@@ -34,7 +35,7 @@ def main() -> None:
     while True:
         request = json.loads(requests.get())
         try:
-            _fly(request, systems)
+            _fly(request, systems, out)
             answer: dict[str, Any] = {"done": True}
         except NavfmuError as error:
             answer = {"refused": str(error)}
@@ -64,7 +65,7 @@ def say(out: TextIO, message: dict[str, Any]) -> None:
     print(json.dumps(message), file=out, flush=True)
 
 
-def _fly(request: dict[str, Any], systems: dict[tuple[str, str | None], System]) -> None:
+def _fly(request: dict[str, Any], systems: dict[tuple[str, str | None], System], out: TextIO) -> None:
     os.chdir(request["cwd"])  # an FMU may have gone elsewhere
     about = request["experiment"]
     place = about["system"], about["variant"]
@@ -72,7 +73,13 @@ def _fly(request: dict[str, Any], systems: dict[tuple[str, str | None], System])
         systems[place] = System.load(*place)
     experiment = Experiment.restored(about, systems[place])
     run = Run(request["variant"], Case(request["case"]), experiment, request["key"])
-    fly(run, Path(request["folder"]), memory=lambda plan: BlackBox.create(request["box"], plan))
+
+    def begin(plan: Plan) -> BlackBox:
+        box = BlackBox.create(request["box"], plan)
+        say(out, {"begun": True})
+        return box
+
+    fly(run, Path(request["folder"]), memory=begin, landed=lambda: say(out, {"landed": True}))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from navfmu.engine.recording import Recording, recording, room, too_large, warne
 from navfmu.engine.structures import NAMES, Log, Place
 from navfmu.errors import NavfmuError
 
+_LESS = "record fewer signals, take a longer recording period, or set TMPDIR to a folder with more room"
 MAGIC, VERSION = b"navfmu\x1ab", 2
 
 
@@ -86,8 +87,10 @@ class BlackBox:
         except (OSError, OverflowError, MemoryError, ValueError) as error:
             with suppress(OSError):
                 path.unlink(missing_ok=True)
-            if isinstance(error, OSError) and error.errno not in (errno.EFBIG, errno.ENOMEM, errno.ENOSPC):
-                raise NavfmuError(f"{path}: cannot be written: {error.strerror or error}") from None
+            if isinstance(error, OSError):
+                full = error.errno in (errno.EFBIG, errno.ENOMEM, errno.ENOSPC)
+                how = f"; the recording of a run takes {size(plan) / 1e6:.3g} MB there: {_LESS}" if full else ""
+                raise NavfmuError(f"{path}: cannot be written: {error.strerror or error}{how}") from None
             raise too_large(plan) from None
 
     @classmethod

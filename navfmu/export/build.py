@@ -184,7 +184,7 @@ def library(sources: Sources, platform: str) -> Path:
         digest.update(part.encode() + b"\0")
 
     def fill(folder: Path) -> None:
-        with tempfile.TemporaryDirectory(prefix="navfmu-") as scratch:
+        with tempfile.TemporaryDirectory(prefix="navfmu-", dir=folder.parent) as scratch:
             for file, text in sources.files.items():
                 (Path(scratch) / file).write_text(text, encoding="utf-8", newline="\n")
             units = [Path(scratch) / unit for unit in UNITS]

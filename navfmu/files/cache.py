@@ -94,14 +94,22 @@ def keep(kind: str, key: str, fill: Callable[[Path], None]) -> Path:
         return found
     entry = directory() / kind / key
     try:
-        entry.parent.mkdir(parents=True, exist_ok=True)
-        _use(directory())
-        temporary = Path(tempfile.mkdtemp(prefix=".", dir=entry.parent))
-    except OSError as error:
+        _make(entry, fill)
+    except OSError as error:  # also of a full disk, which lets one make a file and not write into it
         raise NavfmuError(
-            f"{entry.parent}: the cache folder cannot be written: {error.strerror}; "
+            f"{entry.parent}: the cache folder cannot be written: {error.strerror or error}; "
             "set NAVFMU_CACHE to a folder that can"
         ) from None
+    for folder in (kind, *EARLIER):
+        _forget_old(directory() / folder)
+    return entry / CONTENT
+
+
+def _make(entry: Path, fill: Callable[[Path], None]) -> None:
+    """Make an entry beside its place, and put it there."""
+    entry.parent.mkdir(parents=True, exist_ok=True)
+    _use(directory())
+    temporary = Path(tempfile.mkdtemp(prefix=".", dir=entry.parent))
     try:
         (temporary / CONTENT).mkdir()
         fill(temporary / CONTENT)
@@ -110,11 +118,8 @@ def keep(kind: str, key: str, fill: Callable[[Path], None]) -> Path:
         }
         (temporary / SUMS).write_text(json.dumps(sums, indent=1), encoding="utf-8")
         _publish(temporary, entry)
-        for folder in (kind, *EARLIER):
-            _forget_old(directory() / folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-    return entry / CONTENT
 
 
 def _intact(entry: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import random
@@ -17,7 +18,9 @@ import pandas
 import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.flight import fail
 from navfmu.campaign.runs import Answer, runs_of
+from navfmu.engine import compiled
 from navfmu.errors import NavfmuError
 from navfmu.system.result import read
 from tests.campaign.test_campaign import contents
@@ -301,3 +304,63 @@ def test_an_fmu_that_meddles_with_its_process_meddles_with_its_own_run_only(tmp_
     assert "cut the line to its campaign" in errors["close"] and "SIGSEGV" in errors["fork"]
     left = [p for p in psutil.process_iter(["cmdline"]) if "navfmu.campaign.worker" in (p.info["cmdline"] or [])]
     assert not [p for p in left if p.parent() is None or (p.parent().pid == 1 and time.time() - p.create_time() < 60)]
+
+
+def test_what_an_earlier_try_has_left_goes_when_a_later_one_has_ended(tmp_path):
+    """KEY.partial.parquet once stayed beside KEY.parquet."""
+    file = tmp_path / "campaign.toml"
+    file.write_text(f'system = "{systems.tracker()}"\nseeds = "1"\nstop = 1.0\n')
+    campaign = load_campaign(file)
+    (run,) = runs_of(campaign)
+    fail(run, tmp_path / "out", "the run took too long", {}, compiled.run(run.experiment.plan()))
+    there = tmp_path / "out" / "runs"
+    assert {path.name for path in there.iterdir()} == {f"{run.key}.json", f"{run.key}.partial.parquet"}
+    run_campaign(campaign, tmp_path / "out", retry_failed=True, workers="thread")
+    assert {path.name for path in there.iterdir()} == {f"{run.key}.json", f"{run.key}.parquet"}
+    fail(run, tmp_path / "out", "the run could not begin", {}, None)
+    assert {path.name for path in there.iterdir()} == {f"{run.key}.json"}
+
+
+SLOW = """
+import time
+from navfmu.campaign import flight
+from navfmu.system.experiment import Experiment
+
+def slowly(function):
+    def call(*arguments, **options):
+        time.sleep(1.5)
+        return function(*arguments, **options)
+    return call
+
+flight.write = slowly(flight.write)
+Experiment.plan = slowly(Experiment.plan)
+"""
+
+
+def test_a_timeout_is_that_of_the_fmus_and_not_of_loading_and_writing(tmp_path, monkeypatch):
+    """A run that was complete once "took longer than the timeout, in no component, at its stop time"."""
+    wreck(tmp_path)
+    (tmp_path / "slow").mkdir()
+    (tmp_path / "slow" / "sitecustomize.py").write_text(SLOW)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "slow"))  # of the worker
+    cases = '[[case]]\nname = "good"\n\n[[case]]\nname = "hang"\n'
+    cases += f'parameters = {{ "probe.fail_status" = {HANG}, "probe.fail_at" = 0.75 }}\n'
+    (tmp_path / "c.toml").write_text(HEAD + cases)
+    outcome = run_campaign(load_campaign(tmp_path / "c.toml"), tmp_path / "out", jobs=1, timeout=1.0)
+    good, hang = (judged.error for judged in outcome.runs)
+    assert good is None
+    assert hang.startswith("component 'probe' in fmi2DoStep at t = 0.") and "longer than the timeout of 1 s" in hang
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="a file is made with a hole")
+def test_a_full_folder_for_temporary_files_is_a_sentence(tmp_path, monkeypatch):
+    file = tmp_path / "campaign.toml"
+    file.write_text(f'system = "{systems.tracker()}"\nseeds = "1"\nstop = 1.0\n')
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    for name in ("mkdtemp", "TemporaryDirectory"):
+        monkeypatch.setattr(f"navfmu.campaign.crew.tempfile.{name}", full)
+        with pytest.raises(NavfmuError, match=r"cannot be written: No space left on device; set TMPDIR to a folder"):
+            run_campaign(load_campaign(file), tmp_path / "out")

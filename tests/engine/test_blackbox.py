@@ -1,5 +1,6 @@
 """What is left of a run when an FMU ends the process."""
 
+import errno
 import os
 import resource
 import signal
@@ -129,6 +130,22 @@ def test_a_file_that_is_not_the_black_box_of_this_run_is_refused(tmp_path):
 def test_a_file_that_cannot_be_made_is_refused_and_not_left_behind(tmp_path):
     with pytest.raises(NavfmuError, match="cannot be written: No such file"):
         BlackBox.create(tmp_path / "nowhere" / "box", make_plan(*ring(), step=0.1, stop=1.0))
-    with pytest.raises(NavfmuError, match=r"3 signals at .* would take \d+ GB of memory; record fewer"):
+    too_large = r"(No space|too large|Cannot allocate).*; .* MB there: record fewer|GB of memory; record fewer"
+    with pytest.raises(NavfmuError, match=too_large):
         BlackBox.create(tmp_path / "box", make_plan(*ring(3), step=0.5, stop=1e15, record=["lag*.y"]))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EFBIG])
+def test_a_full_disk_is_told_as_one(number, tmp_path, monkeypatch):
+    """A small recording once "would take 0 GB of memory"."""
+
+    def full(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("os.posix_fallocate", full)
+    with pytest.raises(NavfmuError) as refused:
+        BlackBox.create(tmp_path / "box", make_plan(*ring(3), step=0.5, stop=10.0, record=["lag*.y"]))
+    said = f"{tmp_path}/box: cannot be written: {os.strerror(number)}; the recording of a run takes 0.0"
+    assert str(refused.value).startswith(said) and "GB" not in str(refused.value)
     assert list(tmp_path.iterdir()) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -139,6 +140,33 @@ def test_a_system_flies_after_its_files_in_the_cache_were_cut_short(home, monkey
     assert done.returncode == 0, done.stderr
     assert done.stdout == first.to_csv(float_format=repr)
     assert not [held for held in cache.holdings() if held.damaged]
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("when", ["mkdir", "fill", "write_text"])
+def test_a_full_disk_is_a_sentence_and_leaves_nothing(when, home, monkeypatch):
+    """It lets one make the folder, and then not write into it."""
+    own = getattr(Path, when, None)
+
+    def full(path, *arguments, **options):
+        if path.parent.name.startswith(".") and path.name in ("content", "sums.json"):
+            raise FULL
+        return own(path, *arguments, **options)
+
+    def stuff(folder):
+        raise FULL
+
+    if own is not None:
+        monkeypatch.setattr(Path, when, full)
+    with pytest.raises(NavfmuError) as refused:
+        cache.keep("unpacked", KEY, stuff if when == "fill" else fill)
+    assert str(refused.value) == (
+        f"{home}/unpacked: the cache folder cannot be written: No space left on device; "
+        "set NAVFMU_CACHE to a folder that can"
+    )
+    assert list((home / "unpacked").iterdir()) == []
 
 
 # ---- the command -----------------------------------------------------------------------------------------------------
