@@ -216,7 +216,7 @@ def _amount(fault: Fault, component: Component, variable: Variable, parameter: s
     if parameter == "sigma" and number < 0:
         raise NavfmuError(f"{what}: expected a number that is not negative")
     if fault.type in ("input", "parameter"):
-        check_range(variable, number, f"'{parameter}'")
+        check_range(component.description, variable, number, f"'{parameter}'")
     elif not math.isfinite(number):
         raise NavfmuError(f"{what}: expected a finite number")
     return float(number)

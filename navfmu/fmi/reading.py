@@ -135,6 +135,9 @@ def _problems(model: Any, where: str) -> Iterator[str]:
         elif variable.displayUnit is not None:
             yield f'The variable "{variable.name}" has a display unit and no unit.'
             variable.displayUnit = None
+        items = [int(item.value) for item in declared.items] if variable.type == "Enumeration" and declared else []
+        if items and variable.start is not None and int(variable.start) not in items:
+            yield f'The start value {variable.start} of the variable "{variable.name}" is no item of its enumeration.'
     unknown = [unit for unit in used if unit not in defined]
     if unknown:
         yield f"Not defined: unit{'s' if len(unknown) > 1 else ''} {', '.join(repr(unit) for unit in unknown)}."

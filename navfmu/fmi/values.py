@@ -48,7 +48,7 @@ def checked(description: Description, variable: Variable, value: Any, where: str
         )
     number = typed(description, variable, value, f"{where}: '{variable.name}' = {value}")
     if variable.type in ("Real", "Integer"):
-        check_range(variable, number, where)
+        check_range(description, variable, number, where)
     return number
 
 
@@ -61,10 +61,11 @@ def typed(description: Description, variable: Variable, value: Any, what: str) -
     if variable.type == "Boolean":
         return _boolean(value, what)
     items = description.items(variable)
-    if isinstance(value, str) and _NUMBER.match(value) is None and items:
-        if value.strip() not in items:
+    if isinstance(value, str) and items:
+        if value.strip() in items:
+            return items[value.strip()]
+        if not is_number(value):
             raise NavfmuError(f"{what}: expected one of {', '.join(items)}{nearest(value, items)}")
-        return items[value.strip()]
     number = quantity(description, variable, value, what)
     if variable.type == "Integer":
         if not math.isfinite(number) or number != math.floor(number) or not -(2**31) <= number < 2**31:
@@ -73,8 +74,19 @@ def typed(description: Description, variable: Variable, value: Any, what: str) -
     return float(number)
 
 
-def check_range(variable: Variable, value: float, where: str) -> None:
-    """Refuse a value outside the range that the model description gives."""
+def is_number(text: str) -> bool:
+    """Whether a text is a number, with a unit or without."""
+    return _NUMBER.match(text) is not None
+
+
+def check_range(description: Description, variable: Variable, value: float, where: str) -> None:
+    """Refuse a value outside the range that the model description gives, or that no item of an enumeration has."""
+    items = description.items(variable)
+    if items and value not in items.values():
+        known = ", ".join(f"{name} = {number}" for name, number in items.items())
+        raise NavfmuError(
+            f"{where}: '{variable.name}' = {value} is no value of its enumeration: expected one of {known}"
+        )
     unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
     low, high = variable.min, variable.max
     if (low is None or value >= low) and (high is None or value <= high) and math.isfinite(value):

@@ -18,7 +18,7 @@ from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
 from navfmu.fmi.fmu import Fmu, load
 from navfmu.fmi.units import Unit, conversion
-from navfmu.fmi.values import checked
+from navfmu.fmi.values import checked, is_number
 from navfmu.ssp import reader
 from navfmu.ssp.structure import Component, Connection, Setting, Structure
 from navfmu.system import shipped
@@ -328,6 +328,10 @@ def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure:
         where, unit = f"{setting.where}: {component.name}", _setting_unit(component, fmu, variable)
         if unit is None and setting.unit is not None and not setting.unit.plain:
             ignored.append(f"{setting.where}: the unit '{setting.unit.name}' of '{name}', which has none")
+        if isinstance(setting.value, str) and setting.type == "Enumeration":
+            items = setting.items if setting.items is not None else fmu.description.items(variable)
+            if setting.value.strip() not in items and is_number(setting.value):
+                structure.lenient.append(f"{setting.where}: '{name}' is the number {setting.value} and no item's name")
         value = checked(fmu.description, variable, _converted(setting, variable, unit, where), where)
         if setting.name in values:
             ignored.append(f"{places[setting.name]}: the value of '{name}' is overridden in {setting.where}")
