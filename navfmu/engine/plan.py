@@ -217,7 +217,7 @@ def make_plan(
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
         idle=useless,
-        notes=(*loops, *_notes(cut, algorithm, useless)),
+        notes=(*loops, *_notes(cut, algorithm, useless), *_unrecordable(system)),
     )
 
 
@@ -284,14 +284,24 @@ def _columns(record: Sequence[str] | None, system: Mapping[str, Description]) ->
     columns: dict[tuple[tuple[str, str], bool], Signal] = {}
     for name in [record] if isinstance(record, str) else record:
         where = f"recorded signal '{name}'"
-        signal, _, suffix = name.partition("@")
-        if suffix not in ("", "true") or name.endswith("@"):
-            raise NavfmuError(f"{where}: after @ only 'true' is known")
+        signal, true = _without_true(name, system, where)
         for end in names.signals(system, signal, where):
-            if suffix and end.variable.causality != "output":
+            if true and end.variable.causality != "output":
                 raise NavfmuError(f"{where}: only outputs have a true value beside the faulted one")
-            columns[end.key, bool(suffix)] = end
+            columns[end.key, true] = end
     return [(end, true) for (_, true), end in columns.items()]
+
+
+def _without_true(name: str, system: Mapping[str, Description], where: str) -> tuple[str, bool]:
+    """A name to record without "@true", and whether it had it; the own name of a variable may have other @ in it."""
+    component, variable = names.split(name)
+    own = names.group(system[component].by_name, variable) if component in system and variable else {}
+    signal, at, suffix = name.rpartition("@")
+    if own or not at:
+        return name, False
+    if suffix != "true":
+        raise NavfmuError(f"{where}: after @ only 'true' is known")
+    return signal, True
 
 
 def _recorded(
@@ -300,12 +310,19 @@ def _recorded(
     slots: Mapping[tuple[str, str], int],
     connected: Mapping[tuple[str, str], tuple[Signal, Link]],
 ) -> Recorded:
-    name = f"{end}@true" if true else str(end)
+    name = f"{end}{names.TRUE}" if true else str(end)
     variable = end.variable
     if end.key in connected:
         source, link = connected[end.key]
         return Recorded(name, slots[source.key], true, link.factor, link.offset, variable.type, variable.unit)
     return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)
+
+
+def _unrecordable(system: Mapping[str, Description]) -> Iterable[str]:
+    for component, description in system.items():
+        for variable in description.with_causality("output"):
+            if variable.name.endswith(names.TRUE):
+                yield f"'{component}.{variable.name}' is not recorded: so ends the name of a value without faults"
 
 
 def _notes(cut: Sequence[tuple[Signal, Signal]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:

@@ -31,6 +31,9 @@ class Signal:
         return f"{self.component}.{self.variable.name}"
 
 
+TRUE = "@true"  # at the end of an output's name: its value without faults
+
+
 def split(name: str) -> tuple[str, str]:
     """Component and variable of "imu.reading.rate[1]": ("imu", "reading.rate[1]")."""
     component, _, variable = name.partition(".")
@@ -114,33 +117,39 @@ def find(system: Mapping[str, Description], name: str, where: str) -> Signal:
     return Signal(component, known[variable])
 
 
+def recordable(variable: Variable) -> bool:
+    """Whether a variable can be recorded: no text, and none whose own name ends like that of a value without faults."""
+    return variable.type != "String" and not variable.name.endswith(TRUE)
+
+
 def outputs(system: Mapping[str, Description]) -> list[Signal]:
-    """All outputs that can be recorded (not texts)."""
+    """All outputs that can be recorded."""
     return [
         Signal(component, variable)
         for component, description in system.items()
         for variable in description.variables
-        if variable.causality == "output" and variable.type != "String"
+        if variable.causality == "output" and recordable(variable)
     ]
 
 
 def signals(system: Mapping[str, Description], name: str, where: str) -> list[Signal]:
     """The recordable variables that a name or pattern stands for; at least one."""
-    if is_pattern(name):
+    component, variable = split(name)
+    known = system[component].by_name if component in system and variable else {}
+    if is_pattern(name) and variable not in known:
         found = [output for output in outputs(system) if stands_for(name, str(output))]
         if not found:
             raise NavfmuError(f"{where}: no output matches the pattern")
         return found
     if name in system:
         return outputs({name: system[name]})
-    component, variable = split(name)
-    known = system[component].by_name if component in system and variable else {}
     chosen = [Signal(component, known[full]) for full in group(known, variable).values()]
     chosen = chosen or [find(system, name, where)]
-    recordable = [signal for signal in chosen if signal.variable.type != "String"]
-    if not recordable:
-        raise NavfmuError(f"{where}: a String cannot be recorded")
-    return recordable
+    found = [signal for signal in chosen if recordable(signal.variable)]
+    if not found:
+        why = "a String" if chosen[0].variable.type == "String" else f"a variable whose own name ends in '{TRUE}'"
+        raise NavfmuError(f"{where}: {why} cannot be recorded")
+    return found
 
 
 # ---- in a recording --------------------------------------------------------------------------------------------------

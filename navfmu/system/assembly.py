@@ -271,7 +271,7 @@ def _open(component: Component, structure: Structure) -> Fmu:
 def _single(file: Path) -> Structure:
     fmu = load(file)
     about = fmu.description
-    component = Component(about.model_identifier, file, {}, [], str(file), about.description)
+    component = Component(about.model_identifier.replace(".", "_"), file, {}, [], str(file), about.description)
     return Structure(
         about.model_name,
         about.description,

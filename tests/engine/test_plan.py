@@ -1,5 +1,7 @@
 """What does not fit together is told in a sentence."""
 
+from dataclasses import replace
+
 import pytest
 
 from navfmu.engine.link import Link
@@ -77,6 +79,33 @@ def test_impossible_start_values(start, sentence):
 def test_impossible_recordings(name, sentence):
     with pytest.raises(NavfmuError, match=sentence):
         plan(record=[name])
+
+
+def renamed(**names: str):
+    """A probe with other names for some variables."""
+    component = probe("a")
+    about = component.description
+    variables = tuple(replace(v, name=names.get(v.name, v.name)) for v in about.variables)
+    return replace(component, fmu=replace(component.fmu, description=replace(about, variables=variables)))
+
+
+def test_an_output_whose_own_name_ends_in_true_is_not_taken_for_the_value_of_another():
+    odd = renamed(seen="y@true")
+    with pytest.raises(NavfmuError, match="a variable whose own name ends in '@true' cannot be recorded"):
+        plan([odd], record=["a.y@true"])
+    made = plan([odd])
+    assert "a.y" in [column.name for column in made.recorded]
+    assert "a.y@true" not in [column.name for column in made.recorded]
+    assert made.notes == ("'a.y@true' is not recorded: so ends the name of a value without faults",)
+
+
+@pytest.mark.parametrize("name", ["y@2", "y@", "2*y", "y?"])
+def test_other_signs_in_the_name_of_an_output_are_its_own(name):
+    made = plan([renamed(seen=name)], record=[f"a.{name}"])
+    assert [column.name for column in made.recorded] == [f"a.{name}"]
+    assert len(plan([renamed(seen=name)]).recorded) == len(plan([probe("a")]).recorded)
+    true = plan([renamed(seen=name)], record=[f"a.{name}@true"])
+    assert [column.name for column in true.recorded] == [f"a.{name}@true"]
 
 
 @pytest.mark.parametrize("seed", [-1, 2**31, 1.0, True])

@@ -194,3 +194,9 @@ def test_a_component_with_a_dot_in_its_name_is_refused_with_its_line(folder):
     component = '<ssd:Component name="c.d" source="resources/plant.fmu"/>'
     with pytest.raises(NavfmuError, match=r"line \d+: Component 'c.d': expected a name without a dot"):
         load(folder, ssd(elements=component))
+
+
+def test_a_single_fmu_whose_identifier_has_a_dot_is_a_component_without_one(tmp_path):
+    text = fmus.describe("a.b", [fmus.variable("gain", "parameter"), fmus.variable("y", "output", reference=1)])
+    system = System.load(fmus.write(tmp_path / "a.fmu", text))
+    assert list(system.fmus) == ["a_b"] and system.variable("a_b.y").causality == "output"
