@@ -162,6 +162,8 @@ class Worker:
             raise NavfmuError(answer["refused"])
         if "broken" in answer:
             raise RuntimeError(f"a worker process failed:\n{answer['broken']}")
+        if answer.get("last"):
+            self.end()
         return progress(steps, steps)
 
     def _answer(self, end: float | None, look: Callable[[], None]) -> dict[str, Any] | None:

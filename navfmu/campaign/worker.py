@@ -3,6 +3,8 @@
 One JSON object a line comes in on standard input. On a copy of standard output three go out for each: when its FMUs
 begin, when they have ended, and when it is done; what FMUs print goes to standard error. When the campaign's own
 process is gone, standard input ends, and so does the worker, even in the middle of an FMU that never returns.
+
+The run in which an FMU returns fmi2Fatal is the last one: nothing that its library then computes can be trusted.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from typing import Any, TextIO
 from navfmu.campaign.definition import Case
 from navfmu.campaign.flight import fly
 from navfmu.campaign.runs import Run
+from navfmu.engine import fatal
 from navfmu.engine.blackbox import BlackBox
 from navfmu.engine.plan import Plan
 from navfmu.errors import NavfmuError
@@ -36,7 +39,7 @@ def main() -> None:
         request = json.loads(requests.get())
         try:
             _fly(request, systems, out)
-            answer: dict[str, Any] = {"done": True}
+            answer: dict[str, Any] = {"done": True, "last": fatal.happened()}
         except NavfmuError as error:
             answer = {"refused": str(error)}
         except Exception:

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from navfmu.engine.plan import Plan
-from navfmu.engine.recording import Recording, recording, room, too_large, warned
+from navfmu.engine.recording import Recording, complained, recording, room, too_large, warned
 from navfmu.engine.structures import NAMES, Log, Place
 from navfmu.errors import NavfmuError
 
@@ -148,7 +148,9 @@ class BlackBox:
         count = min(max(self.place.rows, 0), self.plan.rows)
         if not count:
             return None
-        return recording(self.plan, self.rows[:count].copy(), warned(self.plan, self.logs, [0] * len(self.logs)))
+        notes = warned(self.plan, self.logs, [0] * len(self.logs))
+        notes += complained(self.plan, self.logs, [self.place.component])
+        return recording(self.plan, self.rows[:count].copy(), notes)
 
 
 def steps_made(path: str | Path) -> int:

@@ -10,19 +10,31 @@ from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from navfmu.engine import floating, single, structures
 from navfmu.engine.blackbox import BlackBox, Memory
 from navfmu.engine.effect import ECHO, EFFECT
+from navfmu.engine.fatal import Instances
 from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library, load
 from navfmu.engine.plan import Part, Plan
-from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, unmoved, warned
+from navfmu.engine.recording import (
+    Recording,
+    RunError,
+    complained,
+    dead,
+    ended,
+    got_to,
+    recording,
+    refusal,
+    unmoved,
+    warned,
+)
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Master
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
@@ -115,8 +127,8 @@ class Compiled:
         self._components = (structures.Component * len(plan.parts))()
         self._fmus: list[Fmi2] = []
         self._snapshots: list[Snapshot] = []
-        self._refused: set[int] = set()  # components that returned an error: they cannot be terminated any more,
-        self._fatal: set[int] = set()  # and of these, those of which nothing may be called, not even free
+        self._refused: set[int] = set()  # components that returned an error: they cannot be terminated any more
+        self._instances = Instances()  # which of them may be called at all
         self._lost: dict[str, int] = {}
         self._initialised = False
         self._library = engine_library()
@@ -162,6 +174,7 @@ class Compiled:
     def advance(self, until: int | None = None) -> None:
         """Run to communication point ``until`` (default: the end), or to where ``interrupt`` stopped it."""
         end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
+        self._look_for_dead()
         self._watch()
         result = self._library.advance(byref(self._master), end)
         self._check(result)
@@ -171,7 +184,12 @@ class Compiled:
         self._master.interrupt = 1
 
     def run(self, progress: Progress | None = None) -> Recording:
-        """Initialise and run to the end. Ctrl-C and ``progress`` get their turn about ten times a second."""
+        """Initialise, run to the end, terminate."""
+        self.complete(progress)
+        return self.recording()
+
+    def complete(self, progress: Progress | None = None) -> None:
+        """Do the whole run. Ctrl-C and ``progress`` get their turn about ten times a second."""
         self.initialise()
         steps, chunk = self.plan.clock.steps, 16
         while self.k < steps and not self._master.interrupt:
@@ -183,29 +201,29 @@ class Compiled:
             chunk = max(1, chunk * 2 if spent < 0.05 else chunk // 2 if spent > 0.2 else chunk)
         if progress is not None and self._master.ended >= 0:
             progress(steps, steps)  # there is nothing more to come
-        whole = self.recording()
-        self.terminate(whole)
-        return whole
+        self.terminate()
 
-    def terminate(self, whole: Recording | None = None) -> None:
+    def terminate(self) -> None:
         """End the run: FMUs of other makers write now what they have collected. A refusal is one of the run."""
         if self._terminated or not self._initialised:
             return
+        self._count_lost()
         self._terminated, refused = True, []
         for number, fmu in enumerate(self._fmus):
-            if number not in self._refused:
-                with self._calling(number, "fmi2Terminate"):
-                    status = fmu.terminate(self._components[number].instance)
+            if number not in self._refused and self._instances.alive(number):
+                status = self._status(number, "fmi2Terminate", fmu.terminate)
                 refused += [(number, status)] if status > WARNING else []
+        self._refused |= {number for number, _ in refused}
         for number, status in refused:
-            self._refuse(number, "fmi2Terminate", status, self.plan.clock.time(self.k), whole)
+            self._refuse(number, "fmi2Terminate", status)
 
     @floating.ordinary()
     def recording(self) -> Recording:
         """What has been recorded so far."""
         lost = self._count_lost()
-        notes = ended(self.plan, self._master.ended, self.k, self._master.last)
+        notes = ended(self.plan, self._logs, self._master.ended, self.k, self._master.last)
         notes += warned(self.plan, self._logs, [component.warnings for component in self._components])
+        notes += complained(self.plan, self._logs, {*self._refused, self._master.ended})
         notes += floating.strayed(self.plan, [component.strayed for component in self._components])
         over = self.k == self.plan.clock.steps or self._master.ended >= 0
         idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over)
@@ -213,13 +231,12 @@ class Compiled:
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
-        for number, fmu in enumerate(self._fmus if not self._refused else ()):
+        for number, fmu in enumerate(() if self._refused or self._terminated else self._fmus):
             counters = self.plan.parts[number].counters
-            if counters:
+            if counters and self._instances.alive(number):
                 references = (ctypes.c_uint32 * len(counters))(*(counter.reference for counter in counters))
                 values = (c_int * len(counters))()
-                with self._calling(number, "fmi2GetInteger"):
-                    status = fmu.get_integer(self._components[number].instance, references, len(counters), values)
+                status = self._status(number, "fmi2GetInteger", fmu.get_integer, references, len(counters), values)
                 if status <= WARNING:
                     name = self.plan.parts[number].component.name
                     self._lost |= {f"{name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
@@ -231,20 +248,23 @@ class Compiled:
         self._nowhere()
         if result != FAILED:
             return
-        self._refused.add(number)
-        partial = self.recording() if self._initialised else None
         status, more = self._master.status, ""
         if status == DISCARD and call == LOOP["do_step"]:
             more = got_to(self._master.last)
-        self._refuse(number, call, status, self.plan.clock.time(self.k), partial, more)
+        self._instances.returned(number, status)
+        self._refuse(number, call, status, more)
 
-    def _refuse(
-        self, number: int, call: str, status: int, when: float, partial: Recording | None, more: str = ""
-    ) -> None:
+    def _look_for_dead(self) -> None:
+        """Go no further when the FMU of a component has failed for good in another run."""
+        number = self._instances.dead()
+        if number is not None:
+            partial = self.recording() if self._initialised else None
+            raise RunError(dead(self.plan.parts[number].component), partial)
+
+    def _refuse(self, number: int, call: str, status: int, more: str = "") -> NoReturn:
         self._refused.add(number)
-        if status == 4:
-            self._fatal.add(number)
-        name = self.plan.parts[number].component.name
+        name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
+        partial = self.recording() if self._initialised else None
         sentence = refusal(name, call, status, when, self._logs[number].refused())
         raise RunError(sentence + more, partial, component=name, call=call, time=when)
 
@@ -280,9 +300,8 @@ class Compiled:
         """Release the memory of a snapshot."""
         self._snapshots.remove(snapshot)
         for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=False)):
-            if number not in self._fatal:
-                with self._calling(number, "fmi2FreeFMUstate"):
-                    fmu.free_state(self._components[number].instance, byref(state))
+            if self._instances.alive(number):
+                self._status(number, "fmi2FreeFMUstate", fmu.free_state, byref(state))
         self._may_go_back()
 
     def _may_go_back(self) -> None:
@@ -298,7 +317,7 @@ class Compiled:
             self.terminate()
         for number, fmu in enumerate(self._fmus):
             instance = self._components[number].instance
-            if instance and number not in self._fatal:
+            if instance and self._instances.alive(number):
                 with self._calling(number, "fmi2FreeInstance"):
                     fmu.free_instance(instance)
                 single.give_back(self.plan.parts[number].component)
@@ -400,6 +419,7 @@ class Compiled:
         resources = resource_uri(component.fmu.folder).encode()
         texts = (component.name.encode(), 1, component.description.guid.encode(), resources)  # 1: co-simulation
         single.take(component)
+        self._instances.add(component)
         with self._calling(number, "fmi2Instantiate"):
             instance = fmu.instantiate(*texts, ctypes.addressof(callbacks), 0, 1)
         if not instance:
@@ -424,10 +444,18 @@ class Compiled:
         self._call(number, "fmi2EnterInitializationMode", fmu.enter_initialization)
 
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
+        self._look_for_dead()
+        status = self._status(number, name, function, *arguments)
+        if status > WARNING:
+            self._refuse(number, name, status)
+
+    def _status(self, number: int, name: str, function: Any, *arguments: Any) -> int:
+        """The status of a call, which is noted."""
         with self._calling(number, name):
             status = function(self._components[number].instance, *arguments)
-        if status > WARNING:
-            self._refuse(number, name, status, self.plan.clock.time(self.k), None)
+        self._components[number].warnings += status == WARNING
+        self._instances.returned(number, status)
+        return status
 
     @contextmanager
     def _calling(self, number: int, name: str) -> Iterator[None]:
@@ -457,4 +485,5 @@ class Compiled:
 def run(plan: Plan, progress: Progress | None = None, memory: Memory | BlackBox | None = None) -> Recording:
     """Run a plan from beginning to end."""
     with Compiled(plan, memory) as engine:
-        return engine.run(progress)
+        engine.complete(progress)
+    return engine.recording()  # with what FMUs have said until they were freed

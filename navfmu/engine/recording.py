@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from navfmu.engine.component import Component
 from navfmu.engine.effect import unseen
 from navfmu.engine.plan import Plan
 from navfmu.engine.structures import Log
@@ -81,19 +82,29 @@ def refusal(component: str, call: str, status: int, time: float, message: str) -
     return f"component '{component}': {said} ({call} returned {name} at t = {time:.9g} s)"
 
 
+def dead(component: Component) -> str:
+    """The sentence for a component whose FMU has returned Fatal in another run."""
+    return (
+        f"component '{component.name}': its FMU '{component.description.model_identifier}' returned Fatal in another "
+        "run of this process, after which none of its instances can be used"
+    )
+
+
 def got_to(last: float) -> str:
     """How far a step got that was discarded, as the FMU says (s; NaN: it does not say)."""
     return "" if math.isnan(last) else f"; it got as far as t = {last:.9g} s"
 
 
-def ended(plan: Plan, component: int, k: int, last: float) -> list[str]:
+def ended(plan: Plan, logs: Sequence[Log], component: int, k: int, last: float) -> list[str]:
     """The sentence for a component that wanted no more after communication point ``k``; -1: there is none."""
     if component < 0 or k == plan.clock.steps:
         return []
     when = plan.clock.time(k) if math.isnan(last) else last
     stop = plan.clock.time(plan.clock.steps)
     name = plan.parts[component].component.name
-    return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s"]
+    said = logs[component].refused()
+    why = f": {said}" if said else ""
+    return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s{why}"]
 
 
 def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool) -> dict[str, str]:
@@ -141,6 +152,15 @@ def warned(plan: Plan, logs: Sequence[Log], counts: Sequence[int]) -> list[str]:
             times = "once" if count == 1 else f"{count} times, at last"
             sentences.append(f"component '{part.component.name}' warned {times}: {said}")
     return sentences
+
+
+def complained(plan: Plan, logs: Sequence[Log], without: Collection[int]) -> list[str]:
+    """Errors that components logged and that ended no run; ``without`` those whose errors are told elsewhere."""
+    return [
+        f"component '{part.component.name}' reported an error, and the run went on: {log.refused()}"
+        for number, (part, log) in enumerate(zip(plan.parts, logs, strict=True))
+        if log.errors and number not in without
+    ]
 
 
 def missed(lost: Mapping[str, int], plan: Plan) -> list[str]:

@@ -17,18 +17,31 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
 from navfmu.engine import floating, single
+from navfmu.engine.fatal import FATAL, Instances
 from navfmu.engine.initial import GIVE, LEAVE, READ
 from navfmu.engine.injector import Injector
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library
 from navfmu.engine.plan import Part, Plan
-from navfmu.engine.recording import Recording, RunError, ended, got_to, recording, refusal, room, unmoved, warned
+from navfmu.engine.recording import (
+    Recording,
+    RunError,
+    complained,
+    dead,
+    ended,
+    got_to,
+    recording,
+    refusal,
+    room,
+    unmoved,
+    warned,
+)
 from navfmu.engine.structures import (
     ASKED,
     DISCARD,
     LAST_SUCCESSFUL_TIME,
-    LOOP,
+    NAMES,
     TERMINATED,
     WARNING,
     Callbacks,
@@ -61,7 +74,7 @@ class FMU2Counting(FMU2Slave):
             result = super()._call(fname, *args)
         finally:
             self.strayed |= floating.make_ordinary()
-        self.warnings += fname in LOOP.values() and fname not in ASKED and result == WARNING
+        self.warnings += fname in NAMES and fname not in ASKED and result == WARNING
         return result
 
 
@@ -90,8 +103,9 @@ class Reference:
         self._driver = Injector(rows[plan.first_driven_effect :], plan.clock, plan.record_every)
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Counting] = []
+        self._gone: list[FMU2Counting] = []  # once they are freed
         self._refused: set[int] = set()
-        self._fatal: set[int] = set()
+        self._instances = Instances()
         self._lost: dict[str, int] = {}
         self._initialised = self._terminated = False
         self._ended, self._last = -1, math.nan  # the component that has ended the run; how far a discarded step got (s)
@@ -126,6 +140,7 @@ class Reference:
         end = self.plan.clock.steps if until is None else min(until, self.plan.clock.steps)
         step = {"jacobi": self._jacobi, "gauss_seidel": self._gauss_seidel}[self.plan.algorithm]
         while self.k < end and self._ended < 0:
+            self._look_for_dead()
             try:
                 step(self.plan.clock.time(self.k))
             except _Ended:
@@ -135,50 +150,61 @@ class Reference:
             self._record()
 
     def run(self, progress: Any = None) -> Recording:
-        """Initialise and run to the end."""
+        """Initialise, run to the end, terminate."""
+        self.complete(progress)
+        return self.recording()
+
+    def complete(self, progress: Any = None) -> None:
+        """Do the whole run."""
         self.initialise()
         steps = self.plan.clock.steps
         while self.k < steps and self._ended < 0:
             self.advance(self.k + 100)
             if progress is not None:
                 progress(self.k if self._ended < 0 else steps, steps)
-        whole = self.recording()
-        self.terminate(whole)
-        return whole
+        self.terminate()
 
     @floating.ordinary()
-    def terminate(self, whole: Recording | None = None) -> None:
+    def terminate(self) -> None:
         """End the run; a refusal is one of the run."""
         if self._terminated or not self._initialised:
             return
-        self._terminated = True
-        for number in range(len(self._fmus)):
-            if number not in self._refused:
+        self._count_lost()
+        self._terminated, refused = True, []
+        for number, fmu in enumerate(self._fmus):
+            if number not in self._refused and self._instances.alive(number):
                 try:
-                    self._call(number, "terminate")
-                except RunError as error:
-                    error.recording = whole
-                    raise
+                    fmu.terminate()
+                except FMICallException as error:
+                    self._instances.returned(number, error.status)
+                    refused.append((number, error))
+        self._refused |= {number for number, _ in refused}
+        for number, error in refused:
+            self._refuse(number, error)
 
     @floating.ordinary()
     def recording(self) -> Recording:
         """What has been recorded so far."""
         rows, lost = self.rows[: self.k // self.plan.record_every + 1].copy(), self._count_lost()
-        counts = [fmu.warnings for fmu in self._fmus] or [0] * len(self.plan.parts)
-        notes = ended(self.plan, self._ended, self.k, self._last) + warned(self.plan, self._logs, counts)
-        notes += floating.strayed(self.plan, [fmu.strayed for fmu in self._fmus] or [0] * len(self.plan.parts))
+        fmus = self._fmus or self._gone
+        counts = [fmu.warnings for fmu in fmus]
+        notes = ended(self.plan, self._logs, self._ended, self.k, self._last) + warned(self.plan, self._logs, counts)
+        notes += complained(self.plan, self._logs, {*self._refused, self._ended})
+        notes += floating.strayed(self.plan, [fmu.strayed for fmu in fmus])
         over = self.k == self.plan.clock.steps or self._ended >= 0
         seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
         return recording(self.plan, rows, notes, lost, unmoved(self.plan, seen, self.k, over))
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
-        for part, fmu in zip(self.plan.parts, self._fmus if not self._refused else (), strict=False):
-            counters = part.counters
-            if counters:
-                with suppress(FMICallException):
+        for number, fmu in enumerate(() if self._refused or self._terminated else self._fmus):
+            counters, name = self.plan.parts[number].counters, self.plan.parts[number].component.name
+            if counters and self._instances.alive(number):
+                try:
                     values = fmu.getInteger([counter.reference for counter in counters])
-                    self._lost |= {f"{part.component.name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
+                    self._lost |= {f"{name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
+                except FMICallException as error:
+                    self._instances.returned(number, error.status)
         return self._lost
 
     # ---- initial values ----------------------------------------------------------------------------------------------
@@ -259,16 +285,25 @@ class Reference:
     def _discarded(self, number: int, error: FMICallException) -> None:
         """A step was discarded: because the FMU wants to end the run? Then the step may have been made all the same."""
         fmu, terminated, self._last = self._fmus[number], False, math.nan
-        with suppress(FMICallException):
+        try:
             terminated = fmu.getBooleanStatus(TERMINATED)
-        with suppress(FMICallException):
+        except FMICallException as answer:
+            self._unless_fatal(number, answer)
+        try:
             self._last = fmu.getRealStatus(LAST_SUCCESSFUL_TIME)
+        except FMICallException as answer:
+            self._unless_fatal(number, answer)
         if not terminated:
             self._refuse(number, error, got_to(self._last))
         self._ended = number
         clock = self.plan.clock
         if not self._last > clock.time(self.k + 1) - 1e-9 * clock.step:
             raise _Ended
+
+    def _unless_fatal(self, number: int, error: FMICallException) -> None:
+        """Put up with a question that an FMU does not answer."""
+        if error.status == FATAL:
+            self._refuse(number, error)
 
     def _outputs(self, number: int, part: Part) -> dict[int, float]:
         values: list[float] = []
@@ -309,6 +344,7 @@ class Reference:
         for part in self.plan.parts:
             if not part.component.restores:
                 raise NavfmuError(f"component '{part.component.name}' cannot save its state (canGetAndSetFMUstate)")
+        self._look_for_dead()
         self._snapshots += 1
         states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
@@ -318,6 +354,7 @@ class Reference:
     @floating.ordinary()
     def restore(self, snapshot: Snapshot) -> None:
         """Go back (or forward) to a snapshot of this engine."""
+        self._look_for_dead()
         for number, state in enumerate(snapshot.states):
             self._call(number, "setFMUstate", state)
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
@@ -330,8 +367,12 @@ class Reference:
     def free(self, snapshot: Snapshot) -> None:
         """Release the memory of a snapshot."""
         self._snapshots -= 1
-        for fmu, state in zip(self._fmus, snapshot.states, strict=True):
-            fmu.freeFMUstate(state)
+        for number, (fmu, state) in enumerate(zip(self._fmus, snapshot.states, strict=True)):
+            if self._instances.alive(number):
+                try:
+                    fmu.freeFMUstate(state)
+                except FMICallException as error:
+                    self._instances.returned(number, error.status)
 
     @floating.ordinary()
     def close(self) -> None:
@@ -339,10 +380,10 @@ class Reference:
         with suppress(RunError):
             self.terminate()
         for number, fmu in enumerate(self._fmus):
-            if fmu.component is not None and number not in self._fatal:
+            if fmu.component is not None and self._instances.alive(number):
                 fmu.fmi2FreeInstance(fmu.component)
                 single.give_back(self.plan.parts[number].component)
-        self._fmus = []
+        self._gone, self._fmus = self._fmus or self._gone, []
 
     # ---- calls -------------------------------------------------------------------------------------------------------
 
@@ -363,6 +404,7 @@ class Reference:
         callbacks = fmi2CallbackFunctions()
         engine_library().prepare_callbacks(Callbacks.from_buffer(callbacks), byref(log))
         single.take(component)
+        self._instances.add(component)
         try:
             fmu.instantiate(callbacks=callbacks, loggingOn=True)
         except Exception:  # FMPy raises Exception itself
@@ -372,6 +414,7 @@ class Reference:
         self._fmus.append(fmu)
 
     def _configure(self, number: int, part: Part) -> None:
+        self._look_for_dead()
         stop = self.plan.clock.time(self.plan.clock.steps)
         self._call(number, "setupExperiment", part.component.description.tolerance, 0.0, stop)
         for kind, settings in part.settings.items():
@@ -385,10 +428,16 @@ class Reference:
         except FMICallException as error:
             self._refuse(number, error)
 
+    def _look_for_dead(self) -> None:
+        """Go no further when the FMU of a component has failed for good in another run."""
+        number = self._instances.dead()
+        if number is not None:
+            partial = self.recording() if self._initialised else None
+            raise RunError(dead(self.plan.parts[number].component), partial)
+
     def _refuse(self, number: int, error: FMICallException, more: str = "") -> NoReturn:
         self._refused.add(number)
-        if error.status == 4:
-            self._fatal.add(number)
+        self._instances.returned(number, error.status)
         name, when = self.plan.parts[number].component.name, self.plan.clock.time(self.k)
         raise RunError(
             refusal(name, error.function, error.status, when, self._logs[number].refused()) + more,
@@ -419,4 +468,5 @@ def _inputs(group: Inputs, signals: list[float]) -> list[float]:
 def run(plan: Plan, progress: Any = None) -> Recording:
     """Run a plan from beginning to end."""
     with Reference(plan) as engine:
-        return engine.run(progress)
+        engine.complete(progress)
+    return engine.recording()

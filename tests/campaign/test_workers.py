@@ -18,13 +18,14 @@ import pandas
 import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.crew import Crew
 from navfmu.campaign.flight import fail
 from navfmu.campaign.runs import Answer, runs_of
 from navfmu.engine import compiled
 from navfmu.errors import NavfmuError
 from navfmu.system.result import read
 from tests.campaign.test_campaign import contents
-from tests.campaign.wreck import ABORT, CLOSE, ERROR, EXIT, FORK, HANG, READ, SEGFAULT, wreck
+from tests.campaign.wreck import ABORT, CLOSE, ERROR, EXIT, FATAL, FORK, HANG, READ, SEGFAULT, wreck
 from tests.components import systems
 
 WAYS = {"crash": SEGFAULT, "exit": EXIT, "abort": ABORT, "hang": HANG, "refuse": ERROR}
@@ -98,6 +99,23 @@ def test_what_failed_stays_so_until_it_is_tried_again(wrecked, tmp_path):
     run_campaign(campaign, folder / "out", timeout=5, retry_failed=True)
     after = {file.name: file.stat().st_mtime_ns for file in (folder / "out" / "runs").glob("[!.]*")}
     assert after.keys() == before.keys() and sum(after[name] != before[name] for name in after) == 2 * len(WAYS)
+
+
+def test_a_process_in_which_an_fmu_failed_for_good_flies_no_other_run(tmp_path):
+    wreck(tmp_path)
+    text = HEAD
+    for name, status in (("good", 0), ("error", ERROR), ("fatal", FATAL), ("after", 0)):
+        text += (
+            f'\n[[case]]\nname = "{name}"\nparameters = {{ "probe.fail_status" = {status}, "probe.fail_at" = 0.75 }}\n'
+        )
+    (tmp_path / "campaign.toml").write_text(text)
+    left = {}
+    with Crew() as crew:
+        for run in runs_of(load_campaign(tmp_path / "campaign.toml")):
+            crew.fly(run, tmp_path, lambda *_: None)
+            left[run.case.name] = crew._idle.qsize()
+            assert run.answer(tmp_path).is_file()
+    assert left == {"good": 1, "error": 1, "fatal": 0, "after": 1}
 
 
 def test_processes_and_threads_write_the_same_bytes(tmp_path):

@@ -9,7 +9,7 @@ from tests.engine.probe import library
 from tests.ssp import fmus
 
 SEGFAULT, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE, SHOUT = range(10, 19)
-ERROR = 3
+ERROR, FATAL = 3, 4
 
 
 def wreck(folder: Path) -> Path:

@@ -15,15 +15,21 @@
 enum { U, Y, TAU, GAIN, START, FAIL_AT, SEEN, SLOPE, TIME, SAMPLE, VALIDITY, CURRENT, SETS, REALS };
 enum { NUMBER, ECHO, FAIL_STATUS, FAIL_CALL, SEQUENCE, INTEGERS };
 enum { FLAG, FLAG_ECHO, VALID, BOOLEANS };
-enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE };
-enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE, SHOUT }; /* statuses that no FMU returns: the end of the process */
+enum { FAIL_STEP, FAIL_EXIT, FAIL_GET, FAIL_SET, WARN_STEP, FAIL_ENTER, FAIL_TERMINATE, FAIL_FREE };
+enum { SEGFAULT = 10, ABORT, EXIT, HANG, READ, CLOSE, FORK, LEAVE, SHOUT, /* statuses that no FMU returns: the end of the process */
+       COMPLAIN /* an error is logged and the call is well */ };
 
 typedef struct {
     double r[REALS], du;
     int i[INTEGERS], b[BOOLEANS];
     char label[64];
+    int warns_early, fatal_when_asked;
     const fmi2CallbackFunctions *callbacks;
 } Probe;
+
+static int fatal, after_fatal; /* a call has returned Fatal; calls since then, until there is a new instance */
+
+__attribute__((visibility("default"))) int calls_after_fatal(void) { return after_fatal; }
 
 static void die(int way) {
     if (way == SEGFAULT) *(volatile int *)8 = 1;
@@ -59,7 +65,13 @@ static fmi2Status shout(Probe *p, fmi2Status status) {
 }
 
 static fmi2Status trouble(Probe *p, int call, double t) {
+    after_fatal += fatal;
     if (p->i[FAIL_CALL] != call || p->i[FAIL_STATUS] == 0 || t < p->r[FAIL_AT]) return fmi2OK;
+    if (p->i[FAIL_STATUS] == COMPLAIN) {
+        p->callbacks->logger(p->callbacks->componentEnvironment, "probe", fmi2Error, "logStatusError", "%s is unwell",
+                             p->label);
+        return fmi2OK;
+    }
     if (p->i[FAIL_STATUS] == SHOUT) return shout(p, call == WARN_STEP ? fmi2Warning : fmi2Error);
     if (p->label[0]) /* or it says nothing */
         p->callbacks->logger(p->callbacks->componentEnvironment, "probe", p->i[FAIL_STATUS], "logStatusError",
@@ -68,6 +80,7 @@ static fmi2Status trouble(Probe *p, int call, double t) {
         die(p->i[FAIL_STATUS]);
         return fmi2OK;
     }
+    fatal |= p->i[FAIL_STATUS] == fmi2Fatal;
     return p->i[FAIL_STATUS];
 }
 
@@ -79,8 +92,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "guid %s is not mine", guid);
         return NULL;
     }
+    fatal = after_fatal = 0;
     Probe *p = callbacks->allocateMemory(1, sizeof *p);
     p->callbacks = callbacks;
+    p->warns_early = !strncmp(name, "early", 5);
+    p->fatal_when_asked = !strncmp(name, "asked", 5);
     p->r[TAU] = p->r[GAIN] = 1.0;
     p->r[FAIL_AT] = 1e9;
     strcpy(p->label, "probe");
@@ -88,12 +104,14 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 }
 
 void fmi2FreeInstance(fmi2Component c) {
-    if (c) ((Probe *)c)->callbacks->freeMemory(c);
+    if (!c) return;
+    (void)trouble(c, FAIL_FREE, ((Probe *)c)->r[TIME]);
+    ((Probe *)c)->callbacks->freeMemory(c);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e, fmi2Real f) {
-    (void)c, (void)a, (void)b, (void)d, (void)e, (void)f;
-    return fmi2OK;
+    (void)a, (void)b, (void)d, (void)e, (void)f;
+    return ((Probe *)c)->warns_early ? fmi2Warning : fmi2OK; /* nothing has been set yet */
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Probe *p = c;
@@ -175,6 +193,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     (void)c;
+    after_fatal += fatal;
     free(*state);
     *state = NULL;
     return fmi2OK;
@@ -186,6 +205,12 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     (void)c, (void)on, (void)n, (void)categories;
     return fmi2OK;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    (void)kind, (void)value;
+    if (!((Probe *)c)->fatal_when_asked) return fmi2Error;
+    fatal = 1;
+    return fmi2Fatal;
 }
 #define REFUSED(name, ...) \
     fmi2Status name(__VA_ARGS__) { return fmi2Error; }
@@ -201,5 +226,4 @@ REFUSED(fmi2CancelStep, fmi2Component c)
 REFUSED(fmi2GetStatus, fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 REFUSED(fmi2GetRealStatus, fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 REFUSED(fmi2GetIntegerStatus, fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
-REFUSED(fmi2GetBooleanStatus, fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 REFUSED(fmi2GetStringStatus, fmi2Component c, const fmi2StatusKind s, fmi2String *value)

@@ -15,7 +15,8 @@ from navfmu.faults import Fault
 from tests.engine.probe import probe
 
 ENGINES = pytest.mark.parametrize("engine", [compiled, reference])
-STEP, GET, WARN = 0, 2, 4
+STEP, EXIT, GET, SET, WARN, ENTER, TERMINATE, FREE = range(8)
+COMPLAIN = 19  # an error is logged, the call is well
 
 
 def counting(name: str, **options) -> Component:
@@ -79,7 +80,8 @@ def test_a_counter_that_cannot_be_read_does_not_spoil_the_run(engine):
     """Nothing of it is recorded: the only call of a getter is the one for the counter."""
     bad = counting("bad", fail_call=GET, fail_status=3, fail_at=0.95)
     recording = engine.run(plan(bad, probe("b"), record=["b.y"]))
-    assert (recording.lost, recording.notes, len(recording.time)) == ({}, (), 11)
+    assert (recording.lost, len(recording.time)) == ({}, 11)
+    assert recording.notes == ("component 'bad' reported an error, and the run went on: probe gave up at 1 s after 42",)
 
 
 @ENGINES
@@ -98,6 +100,52 @@ def test_warnings_are_told_alike_by_both_engines(engine, fail_at, note):
 def test_warnings_without_a_message_count(engine):
     silent = probe("a", fail_call=WARN, fail_status=1, fail_at=0.75, label="")
     assert engine.run(plan(silent)).notes == ("component 'a' warned 3 times, at last: it gave no reason",)
+
+
+@ENGINES
+@pytest.mark.parametrize("call", [ENTER, EXIT, TERMINATE, FREE])
+def test_warnings_outside_the_steps_are_told(engine, call):
+    said = {ENTER: "0 s", EXIT: "0 s", TERMINATE: "1 s", FREE: "1 s"}[call]
+    notes = engine.run(plan(probe("a", fail_call=call, fail_status=1, fail_at=0.0))).notes
+    assert notes == (f"component 'a' warned once: probe gave up at {said} after 42",)
+
+
+@ENGINES
+@pytest.mark.parametrize(
+    ("component", "times"),
+    [
+        (probe("early"), "once"),  # in fmi2SetupExperiment
+        (probe("a", fail_call=ENTER, fail_status=1, fail_at=0.0, label=""), "once"),
+        (probe("a", fail_call=TERMINATE, fail_status=1, fail_at=0.0, label=""), "once"),
+        (counting("a", fail_call=GET, fail_status=1, fail_at=0.95, label=""), "2 times, at last"),
+    ],
+)
+def test_statuses_of_warning_outside_the_steps_count_in_silence_too(component, times, engine):
+    (note, *_) = engine.run(plan(component)).notes
+    assert note == f"component '{component.name}' warned {times}: it gave no reason"
+
+
+@ENGINES
+def test_warnings_about_start_values_are_told(engine):
+    """Those of the Integers, which make it warn, and of the Boolean that is set after them."""
+    (note,) = engine.run(plan(probe("a", fail_call=SET, fail_status=1, fail_at=0.0, flag=True))).notes
+    assert note == "component 'a' warned 2 times, at last: probe gave up at 0 s after 42"
+
+
+@ENGINES
+@pytest.mark.parametrize("call", [STEP, TERMINATE, FREE])
+def test_an_error_that_is_logged_without_a_refusal_is_told(engine, call):
+    recording = engine.run(plan(probe("a", fail_call=call, fail_status=COMPLAIN, fail_at=0.95), probe("b")))
+    assert recording.notes == ("component 'a' reported an error, and the run went on: probe is unwell",)
+    assert len(recording.time) == 11
+
+
+@ENGINES
+def test_an_error_that_ends_the_run_is_told_once(engine):
+    with pytest.raises(RunError, match="gave up") as raised:
+        engine.run(plan(probe("a", fail_call=TERMINATE, fail_status=3, fail_at=0.0), probe("b")))
+    assert raised.value.recording.notes == ()
+    assert len(raised.value.recording.time) == 11
 
 
 @ENGINES

@@ -1,5 +1,6 @@
 """An FMU that refuses a call ends its run with its own words; what was recorded before is kept."""
 
+import ctypes
 import re
 
 import numpy as np
@@ -7,14 +8,16 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from navfmu.engine import compiled, reference
+from navfmu.engine.compiled import Compiled
 from navfmu.engine.link import Link
 from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
+from navfmu.engine.reference import Reference
 from navfmu.errors import NavfmuError
-from tests.engine.probe import probe
+from tests.engine.probe import library, probe
 
 ENGINES = pytest.mark.parametrize("engine", [compiled, reference])
-STEP, EXIT, GET, SET, WARN = range(5)
+STEP, EXIT, GET, SET, WARN, ENTER, TERMINATE = range(7)
 DISCARD, ERROR, FATAL, PENDING = 2, 3, 4, 5
 
 
@@ -101,3 +104,45 @@ def test_a_run_that_failed_leaves_the_others_alone():
     with pytest.raises(RunError):
         compiled.run(plan(STEP, ERROR))
     assert compiled.run(plan(STEP, 0)).time[-1] == 1.0
+
+
+def calls_after_fatal() -> int:
+    """How many functions of the probe were called after one of its instances had returned Fatal."""
+    return ctypes.CDLL(str(library())).calls_after_fatal()
+
+
+@ENGINES
+@pytest.mark.parametrize("call", [STEP, EXIT, GET, ENTER, TERMINATE])
+def test_after_a_fatal_error_no_instance_of_that_fmu_is_called(engine, call):
+    """FMI 2.0, 2.1.3: the model computations are irreparably corrupted for all instances."""
+    bad = probe("bad", fail_call=call, fail_status=FATAL, fail_at=0.0)
+    with pytest.raises(RunError, match=r"component 'bad': .* returned Fatal"):
+        engine.run(make_plan([bad, probe("good"), probe("other")], [], step=0.1, stop=1.0))
+    assert calls_after_fatal() == 0
+    assert engine.run(make_plan([probe("new")], [], step=0.1, stop=1.0)).time[-1] == 1.0, "a new beginning"
+
+
+@ENGINES
+def test_a_fatal_answer_to_the_question_whether_a_run_has_ended_counts(engine):
+    bad = probe("asked", fail_call=STEP, fail_status=DISCARD, fail_at=0.0)
+    with pytest.raises(RunError, match=r"\(fmi2GetBooleanStatus returned Fatal at t = 0 s\)"):
+        engine.run(make_plan([bad, probe("good")], [], step=0.1, stop=1.0))
+    assert calls_after_fatal() == 0
+
+
+@pytest.mark.parametrize("kind", [Compiled, Reference])
+def test_a_fatal_error_in_another_run_of_the_process_ends_this_one(kind):
+    bad = probe("bad", fail_call=STEP, fail_status=FATAL, fail_at=0.0)
+    with kind(make_plan([probe("good")], [], step=0.1, stop=1.0)) as engine:
+        engine.initialise()
+        engine.advance(3)
+        snapshot = engine.snapshot()
+        with pytest.raises(RunError, match="component 'bad'"):
+            kind(make_plan([bad], [], step=0.1, stop=1.0)).run()
+        sentence = "component 'good': its FMU 'probe' returned Fatal in another run of this process, after which none"
+        for go_on in (engine.advance, engine.snapshot, lambda: engine.restore(snapshot)):
+            with pytest.raises(RunError, match=sentence) as raised:
+                go_on()
+            assert len(raised.value.recording.time) == 4
+        engine.free(snapshot)
+    assert calls_after_fatal() == 0

@@ -121,12 +121,16 @@ static RARELY int discarded(Master *m, Component *c, double end) {
     fmi2Real last;
     m->status = fmi2Discard;
     m->last = NAN;
+    fmi2Status answer = fmi2Error;
     m->place->call = GET_BOOLEAN_STATUS;
-    if (c->get_boolean_status && c->get_boolean_status(c->instance, fmi2Terminated, &terminated) > fmi2Warning)
-        terminated = fmi2False;
+    if (c->get_boolean_status) answer = c->get_boolean_status(c->instance, fmi2Terminated, &terminated);
+    if (answer == fmi2Fatal) return failed(m, c, answer);
+    if (answer > fmi2Warning) terminated = fmi2False;
+    answer = fmi2Error;
     m->place->call = GET_REAL_STATUS;
-    if (c->get_real_status && c->get_real_status(c->instance, fmi2LastSuccessfulTime, &last) <= fmi2Warning)
-        m->last = last;
+    if (c->get_real_status) answer = c->get_real_status(c->instance, fmi2LastSuccessfulTime, &last);
+    if (answer == fmi2Fatal) return failed(m, c, answer);
+    if (answer <= fmi2Warning) m->last = last;
     m->place->call = DO_STEP;
     if (!terminated) return 1;
     m->status = fmi2OK;
