@@ -1,7 +1,7 @@
 """Zip archives (FMU, SSP): written with bytes that depend on their contents alone, read and unpacked safely.
 
-An archive is refused when an entry would land outside its folder, is a symbolic link, appears twice, or when it holds
-more than ``MAX_FILES`` entries or ``MAX_BYTES`` bytes.
+An archive is refused when an entry would land outside its folder, or when it holds more than ``MAX_FILES`` entries or
+``MAX_BYTES`` bytes; and of what is read or unpacked, when it is a symbolic link, or there twice with other contents.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import io
 import stat
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from navfmu.errors import NavfmuError
@@ -48,7 +48,7 @@ def open_archive(path: Path, kind: str) -> zipfile.ZipFile:
 
 def read_entry(archive: zipfile.ZipFile, name: str, path: Path, limit: int = 64 * 1024**2) -> bytes:
     """One entry of an archive as bytes; at most ``limit`` of them."""
-    info = entries(archive, path).get(name)
+    info = entries(archive, path, lambda entry: entry == name).get(name)
     if info is None:
         raise NavfmuError(f"{path}: has no {name}")
     try:
@@ -61,19 +61,37 @@ def read_entry(archive: zipfile.ZipFile, name: str, path: Path, limit: int = 64 
     return data
 
 
-def entries(archive: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
-    """The files of an archive by their plain names, after refusing names and sizes that no honest archive has.
+def names(archive: zipfile.ZipFile, path: Path) -> list[str]:
+    """The plain names of the files of an archive, after refusing names and sizes that no honest archive has.
 
     "./a" and "a" are one name, and so are "a\\b" and "a/b".
     """
+    return list(dict.fromkeys(name for name, _ in _files(archive, path)))
+
+
+def entries(
+    archive: zipfile.ZipFile, path: Path, wanted: Callable[[str], bool] = lambda name: True
+) -> dict[str, zipfile.ZipInfo]:
+    """The wanted files of an archive by their plain names; links, and one name for two contents, are refused."""
+    files: dict[str, zipfile.ZipInfo] = {}
+    for name, entry in _files(archive, path):
+        if not wanted(name):
+            continue
+        if stat.S_ISLNK(entry.external_attr >> 16):
+            raise NavfmuError(f"{path}: entry {entry.filename!r} is a symbolic link, which is not accepted")
+        if name in files and not _same(files[name], entry):
+            raise NavfmuError(f"{path}: entry {entry.filename!r} appears twice, with different contents")
+        files[name] = entry
+    return files
+
+
+def _files(archive: zipfile.ZipFile, path: Path) -> Iterator[tuple[str, zipfile.ZipInfo]]:
     listed = archive.infolist()
     if len(listed) > MAX_FILES:
         raise NavfmuError(f"{path}: holds {len(listed)} entries, at most {MAX_FILES} are accepted")
     total = sum(entry.file_size for entry in listed)
     if total > MAX_BYTES:
         raise NavfmuError(f"{path}: would unpack to {total} bytes, at most {MAX_BYTES} are accepted")
-    files: dict[str, zipfile.ZipInfo] = {}
-    seen: set[str] = set()
     for entry in listed:
         # zipfile itself cuts a name at a NUL and turns the platform's separator into "/"
         name = entry.filename.replace("\\", "/")
@@ -81,15 +99,13 @@ def entries(archive: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
         folder = name.endswith("/")
         if name.startswith("/") or ":" in name or ".." in parts or not (parts or folder):
             raise NavfmuError(f"{path}: entry {entry.filename!r} would be written outside its folder")
-        if stat.S_ISLNK(entry.external_attr >> 16):
-            raise NavfmuError(f"{path}: entry {entry.filename!r} is a symbolic link, which is not accepted")
-        plain = "/".join(parts)
-        if plain.casefold() in seen:
-            raise NavfmuError(f"{path}: entry {entry.filename!r} appears twice")
-        seen.add(plain.casefold())
         if not folder:
-            files[plain] = entry
-    return files
+            yield "/".join(parts), entry
+
+
+def _same(one: zipfile.ZipInfo, other: zipfile.ZipInfo) -> bool:
+    """Whether two entries hold the same, as far as the archive says; what it says is checked when they are read."""
+    return (one.file_size, one.CRC) == (other.file_size, other.CRC)
 
 
 def habits(archive: zipfile.ZipFile) -> list[str]:
@@ -109,9 +125,8 @@ def unpack(path: Path, kind: str, digest: str, wanted: Callable[[str], bool] = l
     def fill(folder: Path) -> None:
         with open_archive(path, kind) as archive:
             budget = MAX_BYTES
-            for name, entry in entries(archive, path).items():
-                if wanted(name):
-                    budget -= _extract(archive, entry, folder / name, path, budget)
+            for name, entry in entries(archive, path, wanted).items():
+                budget -= _extract(archive, entry, folder / name, path, budget)
         check_unchanged(path, digest)
 
     return cache.keep({"FMU": "unpacked", "SSP": "systems"}[kind], digest[:32], fill)
@@ -121,7 +136,7 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, target: Path, pat
     written = 0
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with archive.open(entry) as source, open(target, "wb") as file:
+        with archive.open(entry) as source, open(target, "xb") as file:
             while block := source.read(1 << 20):
                 written += len(block)
                 if written > budget:
@@ -129,6 +144,11 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, target: Path, pat
                 file.write(block)
     except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, NotImplementedError) as error:
         raise NavfmuError(f"{path}: entry {entry.filename} is corrupt: {error}") from None
+    except FileExistsError:
+        raise NavfmuError(
+            f"{path}: entry {entry.filename!r} differs from another one in capital letters alone, or is a file and a "
+            "folder: on this machine there is room for one of the two"
+        ) from None
     except OSError as error:
         raise NavfmuError(f"{path}: cannot be unpacked to {target}: {error.strerror or error}") from None
     return written

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from navfmu.errors import NavfmuError
 from navfmu.files import cache
-from navfmu.files.archive import entries, open_archive, unpack
+from navfmu.files.archive import names, open_archive, unpack
 from navfmu.files.digest import check_unchanged, content_hash
 from navfmu.fmi.description import Description
 from navfmu.fmi.reading import read
@@ -78,12 +78,12 @@ def binaries(path: str | Path) -> list[str]:
     """The platforms for which an FMU holds a library, by their folder names."""
     path = Path(path)
     with open_archive(path, "FMU") as archive:
-        return sorted({platform for platform, _ in _libraries(entries(archive, path))})
+        return sorted({platform for platform, _ in _libraries(names(archive, path))})
 
 
-def _libraries(names: Iterable[str]) -> list[tuple[str, str]]:
+def _libraries(entries: Iterable[str]) -> list[tuple[str, str]]:
     """Platform and file name of everything under ``binaries``."""
-    parts = [name.split("/") for name in names]
+    parts = [name.split("/") for name in entries]
     return [(found[1], "/".join(found[2:])) for found in parts if len(found) > 2 and found[0] == "binaries"]
 
 
@@ -109,7 +109,7 @@ def _library(path: Path, folder: Path, description: Description) -> Path:
         if library.is_file():
             return library
     with open_archive(path, "FMU") as archive:
-        there = _libraries(entries(archive, path))
+        there = _libraries(names(archive, path))
     wanted = description.model_identifier + library_suffix()
     others = [f"{name}/{file}" for name, file in there if name in platforms() and file.endswith(library_suffix())]
     if others:

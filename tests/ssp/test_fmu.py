@@ -125,7 +125,7 @@ def test_what_nobody_used_for_a_month_is_removed_as_a_whole(tmp_path, cache):
 def archive_with(path, *entries):
     with zipfile.ZipFile(path, "w") as packed:
         for entry in entries:
-            packed.writestr(entry, b"x")
+            packed.writestr(*(entry if isinstance(entry, tuple) else (entry, b"x")))
     return path
 
 
@@ -136,6 +136,7 @@ def link(name):
     return entry
 
 
+@pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize(
     ("entries", "sentence"),
     [
@@ -145,7 +146,10 @@ def link(name):
         (["C:/evil"], "would be written outside its folder"),
         (["..\\evil"], "would be written outside its folder"),
         ([link("resources/link")], "is a symbolic link"),
-        (["a", "A"], "appears twice"),
+        (["a", ("a", b"other")], "appears twice, with different contents"),
+        (["a/b", "a\\b", ("./a/b", b"y")], "appears twice, with different contents"),
+        (["a", "a/b"], "is a file and a folder"),
+        (["a/b", "a"], "is a file and a folder"),
     ],
 )
 def test_a_hostile_archive_is_refused_and_leaves_nothing_behind(tmp_path, cache, entries, sentence):
@@ -153,6 +157,36 @@ def test_a_hostile_archive_is_refused_and_leaves_nothing_behind(tmp_path, cache,
     with pytest.raises(NavfmuError, match=sentence):
         archive.unpack(file, "FMU", content_hash(file))
     assert not (tmp_path / "evil").exists() and not list(cache.glob("unpacked/*"))
+
+
+HARMLESS = {
+    "a folder twice": ["binaries/", "binaries/", "./", "./binaries/", "Resources/", "resources/"],
+    "the same file twice": ["resources/a", "resources/a", "./resources/a", "resources\\a"],
+    "a link that nobody needs": [link("documentation/link"), link("sources/link"), link("binaries/other/lib.so.1")],
+    "twice what nobody needs": ["documentation/a", ("documentation/a", b"other"), "sources/a", ("sources/a", b"y")],
+}
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("entries", HARMLESS.values(), ids=HARMLESS)
+def test_what_an_archive_has_too_much_of_without_harm_is_put_up_with(tmp_path, entries):
+    file = fmus.sensor(tmp_path)
+    with zipfile.ZipFile(file, "a") as packed:
+        for entry in entries:
+            packed.writestr(*(entry if isinstance(entry, tuple) else (entry, b"x")))
+    folder = fmu.load(file).folder
+    assert {path.name for path in folder.iterdir()} <= {"binaries", "resources", "modelDescription.xml"}
+    assert fmu.binaries(file) and fmu.describe(file).model_identifier == "sensor"
+
+
+def test_names_that_differ_in_capital_letters_are_two_where_the_file_system_has_two(tmp_path):
+    file = archive_with(tmp_path / "x.fmu", ("resources/a", b"small"), ("resources/A", b"large"))
+    if (tmp_path / "X.FMU").exists():
+        with pytest.raises(NavfmuError, match="differs from another one in capital letters alone"):
+            archive.unpack(file, "FMU", content_hash(file))
+    else:
+        folder = archive.unpack(file, "FMU", content_hash(file)) / "resources"
+        assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"a": b"small", "A": b"large"}
 
 
 def test_a_decompression_bomb_is_refused(tmp_path, cache, monkeypatch):
