@@ -17,6 +17,7 @@ from typing import Any
 from navfmu.errors import NavfmuError
 from navfmu.files.archive import habits, open_archive, read_entry, zipped
 from navfmu.files.markup import parse, validate
+from navfmu.fmi.definitions import repeated
 from navfmu.fmi.functions import lacking
 
 NAME = "modelDescription.xml"
@@ -49,7 +50,7 @@ def read(path: Path) -> dict[str, Any]:
         raise NavfmuError(f"{where}: has no CoSimulation element: the FMU offers model exchange only")
     validate(root, _schema(), where, said, HARMLESS)
     model = _model(root, where)
-    problems = list(_problems(model, where))
+    problems = [*repeated(root, where), *_problems(model, where)]
     lenient += [text.removeprefix(f"{path}: ") for text in said] + [f"{NAME}: {text}" for text in _alike(problems)]
     interface = model.coSimulation
     if not interface.modelIdentifier.isidentifier():

@@ -260,6 +260,30 @@ def test_an_fmu_without_a_binary_for_this_machine_says_which_it_has(tmp_path):
         fmu.load(file)
 
 
+FURLONG = '<Unit name="furlong"><BaseUnit m="1" factor="200"/><DisplayUnit name="chain" factor="0.1"/></Unit>'
+MODE = '<SimpleType name="Mode"><Enumeration><Item name="off" value="1"/></Enumeration></SimpleType>'
+
+
+@pytest.mark.parametrize(
+    ("twice", "other", "kind"),
+    [
+        (FURLONG, FURLONG.replace("200", "201.168"), "unit 'furlong'"),
+        ('<DisplayUnit name="chain" factor="0.1"/>', '<DisplayUnit name="chain" factor="10"/>', "display unit 'chain'"),
+        (MODE, MODE.replace("1", "2"), "type 'Mode'"),
+        ('<Item name="off" value="1"/>', '<Item name="off" value="2"/>', "item 'off'"),
+    ],
+)
+def test_a_definition_that_stands_there_twice_and_differs_is_refused(tmp_path, twice, other, kind):
+    units = f"{FURLONG}</UnitDefinitions>"
+    text = fmus.describe("m", [fmus.variable("y", "output")]).replace("</UnitDefinitions>", units)
+    text = text.replace("<ModelVariables>", f"<TypeDefinitions>{MODE}</TypeDefinitions><ModelVariables>")
+    assert not fmu.describe(fmus.write(tmp_path / "once.fmu", text)).lenient
+    same = fmu.describe(fmus.write(tmp_path / "same.fmu", text.replace(twice, f"{twice}<!-- again -->{twice}")))
+    assert same.lenient == (f"modelDescription.xml: {kind} is defined twice",)
+    with pytest.raises(NavfmuError, match=rf"line \d+: {kind} is defined twice, and differs"):
+        fmu.describe(fmus.write(tmp_path / "other.fmu", text.replace(twice, twice + other)))
+
+
 def test_an_enumeration_is_an_integer_for_everybody_and_info_says_what_it_is(tmp_path):
     mode = fmus.variable("mode", "parameter", "Enumeration", 1, start="2", declaredType="Mode")
     types = (
