@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export.place import place
+from navfmu.export.place import check_text, place
 from navfmu.export.variable import Input, Output, Variable
 
 SIGNALS = ("valid", "sequence", "time_of_validity")
@@ -22,6 +22,7 @@ class Bundle:
     def __init__(self, *, description: str = "", **members: Variable) -> None:
         self.place = place()
         self.name, self.description, self.members = "", description, members
+        check_text(self.place, "Bundle: description", description)
         kinds = {type(m) for m in members.values()}
         if kinds not in ({Input}, {Output}):
             raise NavfmuError(f"{self.place}: the members of a Bundle are all Input or all Output")

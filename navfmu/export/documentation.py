@@ -16,6 +16,7 @@ from navfmu.export.equations import equations
 from navfmu.export.picture import picture
 from navfmu.export.prose import Piece, blocks, pieces
 from navfmu.export.response import Response
+from navfmu.files.characters import shown as shown_characters
 from navfmu.report.template import fill
 
 _TEMPLATE = Path(__file__).parent / "templates" / "documentation.html.j2"
@@ -36,7 +37,7 @@ def page(model: ir.Model, response: Response | None = None, classes: Iterable[ty
             "caption": pieces(_caption(model, response)),
             "picture": base64.b64encode(picture(model, response)).decode(),
         }
-    return fill(
+    html = fill(
         _TEMPLATE,
         model=model,
         text=list(blocks(model.documentation.get("text", ""))),
@@ -49,6 +50,7 @@ def page(model: ir.Model, response: Response | None = None, classes: Iterable[ty
         twin=twin,
         version=__version__,
     )
+    return shown_characters(html)  # also those of the docstrings of equations
 
 
 def _caption(model: ir.Model, response: Response) -> str:

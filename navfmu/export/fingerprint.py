@@ -21,7 +21,9 @@ _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "pla
 _EXPORT = Path(__file__).parent
 _ENDINGS = {".py", ".c", ".h", ".txt", ".j2"}  # of the exporter's own files
 #: What it takes from other rooms that shows in an FMU.
-_BESIDE = [_EXPORT.parent / name for name in ("errors.py", "files/archive.py", "report/template.py")]
+_BESIDE = [
+    _EXPORT.parent / name for name in ("errors.py", "files/archive.py", "files/characters.py", "report/template.py")
+]
 
 
 def fingerprint(component: type[Component], *parts: str) -> str | None:

@@ -15,6 +15,7 @@ import numpy as np
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir
 from navfmu.export.bundle import Bundle
+from navfmu.export.place import check_text
 from navfmu.export.requirement import Requirement
 from navfmu.export.table import Table
 from navfmu.export.task import MARKS, TaskDeclaration
@@ -75,6 +76,7 @@ class Layout:
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", self.name):
             self.fail(f"name {self.name!r} must be a C identifier")
         text = inspect.cleandoc(component.__doc__ or "")
+        check_text(place, f"component {component.__name__}", text)
         self.description, _, self.text = (part.strip() for part in text.partition("\n"))
         self.uses_noise = any(t.uses_noise for t in self.tasks)
         if self.uses_noise:
@@ -117,6 +119,7 @@ class Layout:
             self.tables.append(member)
         elif hasattr(member, "_navfmu_task"):
             kind, argument, place = member._navfmu_task
+            check_text(place, f"task '{name}'", member.__doc__ or "")
             parameters = list(inspect.signature(member).parameters)
             if parameters[1:] not in ([], ["noise"]):
                 self.fail(f"task '{name}' takes self and, if it needs random numbers, noise", place)
@@ -124,6 +127,7 @@ class Layout:
             self.tasks.append(TaskDeclaration(name, kind, member, argument, len(parameters) == 2, stream, place))
         elif hasattr(member, "_navfmu_requirement"):
             message, place = member._navfmu_requirement
+            check_text(place, f"requirement '{name}'", message)
             shown = [field[1:] for field in string.Formatter().parse(message) if field[1] is not None]
             if any(not name or form or conversion for name, form, conversion in shown):
                 self.fail("a sentence shows a parameter as {name}, with a name and without a format", place)
@@ -131,6 +135,9 @@ class Layout:
             self.requirements.append(Requirement(message, member, names, place))
 
     def _add(self, name: str, declared: Variable, bundle: str | None = None) -> None:
+        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)?", name):
+            what = f"'{name}' cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
+            self.fail(what, declared.place)
         field = Field(
             name, len(self.variables), declared.shape, math.prod(declared.shape), declared.kind, declared.causality
         )

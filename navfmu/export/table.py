@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export.place import place
+from navfmu.export.place import check_text, place
 
 
 class Table:
@@ -22,6 +22,7 @@ class Table:
         self.place = place()
         self.name = ""
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
+        check_text(self.place, "Table: columns", "".join(name + unit for name, unit in self.columns))
         self.rows = np.array(rows, float)
         if not self.columns or self.rows.ndim != 2 or self.rows.shape[1] != len(self.columns) or len(self.rows) < 2:
             raise NavfmuError(

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export.place import place
+from navfmu.export.place import check_text, place
 
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 
@@ -51,6 +51,7 @@ class Variable:
             self.fail("fault=True is for inputs")
         self.kind, self.min, self.max, self.nominal = kind, min, max, nominal
         self.display_unit, self.description, self.fault, self.tunable = display_unit, description, fault, tunable
+        check_text(self.place, f"{type(self).__name__}: description", description)
         self.start = self._numbers("start", 0 if start is None else start)
         self._check_range()
         if nominal is not None and not np.all(self._numbers("nominal", nominal) > 0):
@@ -68,7 +69,7 @@ class Variable:
             self.fail(f"{what} has shape {numbers.shape}, expected a number or {self.shape}")
         if not np.all(np.isfinite(numbers)):
             self.fail(f"{what} is {value}, expected a finite number; leave out a bound that there is not")
-        if self.kind == "integer" and not np.all((numbers == np.floor(numbers)) & (np.abs(numbers) < 2**31)):
+        if self.kind == "integer" and not np.all((numbers == np.floor(numbers)) & (np.abs(numbers + 0.5) < 2**31)):
             self.fail(f"{what} is {value}, expected a whole number of 32 bits")
         if self.kind == "boolean" and not np.all((numbers == 0) | (numbers == 1)):
             self.fail(f"{what} is {value}, expected True or False")

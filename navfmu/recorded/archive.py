@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, visible
 from navfmu.files.archive import zipped
 from navfmu.files.markup import parse
 from navfmu.files.writing import write_file
@@ -34,7 +34,7 @@ def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str
     if header.count(",") != COLUMNS - 1:
         raise NavfmuError(f"{player}: its {TABLE} has the columns '{header}'; expected {COLUMNS} of them")
     table = table_text(header, imported.flight.table())
-    name = name or Path(imported.source).stem
+    name = visible(name or Path(imported.source).stem)
     contents |= {
         TABLE: table.encode(),
         DESCRIPTION: _describe(contents[DESCRIPTION], imported, table, name),
@@ -59,7 +59,7 @@ def _describe(xml: bytes, imported: Imported, table: str, name: str) -> bytes:
     root.set("modelName", name)
     root.set(
         "description",
-        f"Recorded flight {Path(imported.source).name}: {flight.duration / 60.0:.1f} minutes, "
+        f"Recorded flight {visible(Path(imported.source).name)}: {flight.duration / 60.0:.1f} minutes, "
         f"t = 0 is {flight.start:g} s of the recording",
     )
     experiment = root.find("DefaultExperiment")
@@ -72,7 +72,7 @@ def _describe(xml: bytes, imported: Imported, table: str, name: str) -> bytes:
 
 
 def _account(imported: Imported, name: str) -> str:
-    lines = [f"{name}, imported from {Path(imported.source).name}", "", *imported.sentences(), ""]
+    lines = [f"{name}, imported from {visible(Path(imported.source).name)}", "", *imported.sentences(), ""]
     lines.append(f"{'recorded minus smoothed':24} {'unit':7} {'rows':>6} {'rms':>9} {'95 %':>9} {'largest':>9}")
     for quantity, unit, count, rms, most, largest in imported.residual_table():
         lines.append(f"{quantity:24} {unit:7} {count:6d} {rms:9.2f} {most:9.2f} {largest:9.2f}")

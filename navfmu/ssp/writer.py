@@ -23,6 +23,7 @@ from xml.sax.saxutils import escape
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import zipped
+from navfmu.files.characters import illegal
 from navfmu.files.reading import read_bytes
 from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
@@ -56,6 +57,8 @@ class SystemSource:
         step: float | None = None,
     ) -> None:
         """``fmus``: folder of the FMU files; ``stop_time`` (s) and ``step`` (s) are the suggested experiment."""
+        _check_text("SystemSource: name", name)
+        _check_text(f"{name}: description", description)
         self.name = name
         self.folder = Path(fmus)
         self._base = _Variant(description, stop_time, step)
@@ -68,6 +71,7 @@ class SystemSource:
         """Add an instance of an FMU; the order of components is the order in the document."""
         if not name or "." in name:
             raise NavfmuError(f"{self.name}: component name '{name}' must not be empty or contain a dot")
+        _check_text(f"{self.name}: component", name)
         if name in self._base.components:
             raise NavfmuError(f"{self.name}: there are two components named '{name}'")
         self._base.components[name] = self._file(fmu)
@@ -114,6 +118,8 @@ class SystemSource:
 
         ``sets`` names the file of a component's parameter set where ``component_variant`` does not say enough.
         """
+        _check_text(f"{self.name}: variant", name)
+        _check_text(f"{self.name}: variant '{name}': description", description)
         if name in self._variants or f"{name}.ssd" == MAIN:
             raise NavfmuError(f"{self.name}: there are two variants named '{name}'")
         variant = _Variant(description, stop_time, step)
@@ -195,6 +201,7 @@ class SystemSource:
     # -- what was said so far ------------------------------------------------------------------------------------
 
     def _file(self, fmu: str | Path) -> Path:
+        _check_text(f"{self.name}: file name of an FMU", Path(fmu).name)
         return self.folder / fmu
 
     def _describe(self, path: Path) -> Description:
@@ -228,8 +235,12 @@ class SystemSource:
         self._known(component)
         path = variant.components.get(component) or self._base.components[component]
         flat = expand(self._describe(path), values, f"{self.name}: {component}")
+        for key, value in flat.items():
+            if isinstance(value, str):
+                _check_text(f"{self.name}: {component}: '{key}'", value)
         variant.values.setdefault(component, {}).update(flat)
         if name is not None:
+            _check_text(f"{self.name}: {component}: name of the parameter set", name)
             variant.set_names[component] = name
 
     # -- the documents -------------------------------------------------------------------------------------------
@@ -372,7 +383,7 @@ def _open(element: str, close: bool = False, **attributes: str) -> str:
 
 
 def _attribute(text: str) -> str:
-    return escape(text, {'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
+    return escape(text, {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
 
 
 def _type(variable: Variable) -> str:
@@ -445,3 +456,9 @@ def _experiment(stop_time: float | None, step: float | None) -> list[str]:
         "    </ssd:Annotations>",
         "  </ssd:DefaultExperiment>",
     ]
+
+
+def _check_text(where: str, text: str) -> None:
+    """Refuse what an XML document cannot hold."""
+    if wrong := illegal(text):
+        raise NavfmuError(f"{where}: the text {text!r} has the character {wrong}, which XML cannot hold")

@@ -446,3 +446,84 @@ def test_a_task_may_use_start_twice():
     run = Interpreter(Two)
     run.setup()
     assert run.get("x") == 6.0
+
+
+BAD = {"\x01": "\\x01", "\x00": "\\x00", "\x0b": "\\x0b", "\ud800": "\\ud800", "\uffff": "\\uffff", "\x85": "\\x85"}
+
+
+@pytest.mark.parametrize("character", BAD)
+def test_texts_that_no_description_can_hold_are_refused_where_they_stand(character):
+    text = f"bad{character}text"
+
+    def class_text():
+        class Odd(Component):
+            __doc__ = text
+
+    def task_text():
+        class Odd(Component):
+            """Odd."""
+
+            T = Parameter("s", start=1.0)
+
+            def step(self):
+                pass
+
+            step.__doc__ = text
+            step = every("T")(step)
+
+    def sentence():
+        class Odd(Component):
+            """Odd."""
+
+            T = Parameter("s", start=1.0)
+
+            @require(text)
+            def holds(self):
+                return self.T > 0
+
+    makes = [
+        task_text,
+        sentence,
+        lambda: Input("m", description=text),
+        lambda: Bundle(s=Output("m"), description=text),
+        lambda: Table(columns=(("time", "s"), (text, "m")), rows=[[0, 1], [1, 2]]),
+    ]
+    if character != "\ud800":  # Python itself refuses that
+        makes.append(class_text)
+    for make in makes:
+        refused(make, f"the text has the character {BAD[character]}; expected no control characters")
+
+
+def test_names_of_variables_are_those_of_fmi():
+    """FMI 2.0, 2.2.9: identifiers of the structured naming convention."""
+
+    def plain():
+        class Odd(Component):
+            """Odd."""
+
+            größe = Input("m")
+
+    def member():
+        class Odd(Component):
+            """Odd."""
+
+            fix = Bundle(**{"breite": Output("m"), "höhe": Output("m")})
+
+    def blank():
+        class Odd(Component):
+            """Odd."""
+
+            fix = Bundle(**{"a b": Output("m")})
+
+    expected = "cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
+    for make, name in ((plain, "größe"), (member, "fix.höhe"), (blank, "fix.a b")):
+        refused(make, f"'{name}' {expected}")
+
+
+def test_integers_have_all_of_32_bits():
+    low, high = -(2**31), 2**31 - 1
+    for value in (low, high):
+        number = Parameter(kind="integer", start=value, min=low, max=high)
+        assert (number.start[0], number.bound("min", 0), number.bound("max", 0)) == (value, low, high)
+    for value in (low - 1, high + 1):
+        refused(lambda value=value: Parameter(kind="integer", start=value), "expected a whole number of 32 bits")

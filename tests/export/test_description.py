@@ -8,11 +8,13 @@ from fmpy.validation import validate_fmu
 
 from navfmu import NavfmuError
 from navfmu.export import Component, Input, Output, Parameter, State, every, start
+from navfmu.export.build import build
 from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, describe, initial_unknowns
 from navfmu.export.lower import lower
 from tests import built
 
 from .components import Sensor, Source
+from .slave import OK, Slave, Unzipped
 
 
 @pytest.mark.parametrize("name", sorted(built.components()))
@@ -163,6 +165,29 @@ def test_awkward_text_is_escaped():
     text = describe(lower(Odd), "{guid}")
     assert "Less &lt; more &amp; " in text
     assert '"a &lt; b &amp; &quot;c&quot; next line"' in text or "'a &lt; b &amp; \"c\" next line'" in text
+
+
+def test_the_least_integer_is_described_and_comes_back(tmp_path):
+    class Deep(Component):
+        """An integer of all its bits."""
+
+        every_s = Parameter("s", start=0.1, min=0.01, description="period")
+        least = Parameter(kind="integer", start=-(2**31), min=-(2**31), description="least")
+        y = Output(kind="integer", description="the same")
+
+        @every("every_s")
+        def copy(self):
+            self.y = self.least
+
+    (path,) = build(Deep, tmp_path)
+    fmu = Unzipped(path, tmp_path / "unzipped")
+    number = fmu.variables["least"].find("Integer")
+    assert (number.get("min"), number.get("start")) == ("-2147483648", "-2147483648")
+    slave = Slave(fmu)
+    assert slave.get("least") == -(2**31)
+    slave.initialise()
+    assert slave.step(0.0, 0.1) == OK and slave.get("y") == -(2**31)
+    slave.free()
 
 
 def test_description_of_a_twin_needs_a_tool_and_has_no_sources():

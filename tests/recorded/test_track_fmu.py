@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import zipfile
+from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -151,3 +154,12 @@ def test_command_writes_the_fmu_and_shows_residuals(csv, player, tmp_path, monke
     assert "timing jitter" in outcome.output and "along track" in outcome.output
     assert validate_fmu(str(tmp_path / "out.fmu")) == []
     assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there are no such names on Windows")
+def test_names_that_no_document_can_hold_are_written_as_one_writes_them_in_python(csv, player, tmp_path):
+    source = Path(shutil.copy(csv, tmp_path / "a\x01\udc80.csv"))
+    fmu = write_fmu(import_track(source), player, tmp_path / "odd.fmu")
+    described = fmpy.read_model_description(str(fmu))
+    assert described.modelName == r"a\x01\udc80"
+    assert validate_fmu(str(fmu)) == []

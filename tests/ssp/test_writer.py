@@ -133,6 +133,13 @@ def test_writing_again_leaves_the_files_untouched(source, tmp_path):
         (lambda s: s.parameters("sensor", {"reading": 1}), "is a bundle"),
         (lambda s: s.parameters("filter", {"imu.lost": 1}), "cannot be set: it is output"),
         (lambda s: s.variant("poor"), "two variants named 'poor'"),
+        (lambda s: SystemSource("a\x02"), "SystemSource: name: the text 'a\\x02' has the character \\x02, which XML"),
+        (lambda s: SystemSource("a", description="\ud800"), "a: description: the text '\\ud800' has the character"),
+        (lambda s: s.component("a\x00", "sensor.fmu"), "component: the text 'a\\x00' has the character \\x00"),
+        (lambda s: s.component("a", "sen\x7fsor\x1f.fmu"), "file name of an FMU: the text"),
+        (lambda s: s.parameters("sensor", {}, name="a\x01"), "sensor: name of the parameter set: the text"),
+        (lambda s: s.variant("a\x01"), "variant: the text"),
+        (lambda s: s.variant("a", description="\x0b"), "variant 'a': description: the text"),
         (lambda s: s.pack("x.ssp", variant="pour"), "no variant 'pour'; did you mean 'poor'"),
     ],
 )
@@ -145,3 +152,15 @@ def test_a_wrong_call_is_answered_by_a_sentence(source, call, sentence):
 def test_a_display_unit_with_an_offset_converts(source):
     source.parameters("sensor", {"ambient": "15 degC"})
     assert b'value="288.15"' in source.files()["resources/sensor_good.ssv"]
+
+
+def test_strings_come_back_as_they_are_or_are_refused(tmp_path):
+    described = fmus.describe("plant", [fmus.variable("label", "parameter", "String", start="")])
+    fmus.write(tmp_path / "plant.fmu", described)
+    text = "a\nb\tc\rd  e<&\"'\x85 \U0001f6e9"
+    system = SystemSource("one", fmus=tmp_path).component("plant", "plant.fmu").parameters("plant", {"label": text})
+    (value,) = find(system.files()["resources/plant.ssv"], ".//ssv:String")
+    assert value.get("value") == text
+    for wrong in ("a\x01b", "\ud800", "\uffff"):
+        with pytest.raises(NavfmuError, match=r"one: plant: 'label': the text .* has the character .*, which"):
+            system.parameters("plant", {"label": wrong})
