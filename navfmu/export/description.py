@@ -110,6 +110,7 @@ def check_units(model: ir.Model) -> None:
 def display(variable: ir.Variable, value: float) -> tuple[float, str]:
     """Return a value in the variable's display unit, and that unit's name ("" for none)."""
     factor, offset = DISPLAY_UNITS.get(variable.unit or "", {}).get(variable.display_unit or "", (1.0, 0.0))
+    offset = 0.0 if variable.difference else offset
     unit = variable.display_unit or variable.unit or ""
     return factor * value + offset, "" if unit == "1" else unit
 
@@ -243,6 +244,7 @@ def _variable(variable: ir.Variable) -> Iterable[str]:
     value = {
         "unit": variable.unit if real else None,
         "displayUnit": variable.display_unit if real and variable.display_unit != variable.unit else None,
+        "relativeQuantity": True if variable.difference else None,
         "min": number(variable.min) if real or integer else None,
         "max": number(variable.max) if real or integer else None,
         "nominal": number(variable.nominal) if real else None,

@@ -113,12 +113,13 @@ def _row(name: str, group: list[ir.Variable]) -> dict[str, Any]:
     if first.min is not None or first.max is not None:
         limits = " … ".join("" if value is None else _value(first, value) for value in (first.min, first.max))
     tunable = first.causality == "parameter" and first.variability == "tunable"
+    remarks = " (tunable)" * tunable + " (a difference)" * first.difference
     return {
         "name": name + elements,
         "unit": "" if unit == "1" else unit,
         "start": start,
         "limits": limits,
-        "meaning": pieces(first.description + (" (tunable)" if tunable else "")),
+        "meaning": pieces(first.description + remarks),
     }
 
 

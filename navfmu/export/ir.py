@@ -36,6 +36,7 @@ class Variable:
     description: str = ""
     bundle: str | None = None  # name of the bundle it belongs to
     fault: bool = False  # an input that exists to inject a physical fault
+    difference: bool = False  # between two values of its quantity: without an origin
 
     @property
     def base(self) -> str:

@@ -166,6 +166,7 @@ class Layout:
                     description=declared.description,
                     bundle=bundle,
                     fault=declared.fault,
+                    difference=declared.difference,
                 )
             )
 

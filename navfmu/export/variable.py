@@ -13,7 +13,10 @@ TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 
 
 class Variable:
-    """One declared variable, scalar, vector or matrix; use the subclasses."""
+    """One declared variable, scalar, vector or matrix; use the subclasses.
+
+    A ``difference`` between two values has no origin: 10 degC of it are 10 K.
+    """
 
     causality = ""
 
@@ -29,6 +32,7 @@ class Variable:
         kind: str = "real",
         fault: bool = False,
         tunable: bool = False,
+        difference: bool = False,
     ) -> None:
         self.place = place()
         self.name = ""
@@ -49,8 +53,11 @@ class Variable:
             self.fail("tunable is for parameters")
         if fault and not isinstance(self, Input):
             self.fail("fault=True is for inputs")
+        if difference and kind != "real":
+            self.fail("difference=True is for real variables, which have a unit")
         self.kind, self.min, self.max, self.nominal = kind, min, max, nominal
         self.display_unit, self.description, self.fault, self.tunable = display_unit, description, fault, tunable
+        self.difference = difference
         check_text(self.place, f"{type(self).__name__}: description", description)
         self.start = self._numbers("start", 0 if start is None else start)
         self._check_range()

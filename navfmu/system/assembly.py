@@ -139,7 +139,7 @@ class Assembly:
                 found.append(entry)
             else:
                 raise NavfmuError(
-                    f"faults: {entry!r} is not a fault; expected the name of a fault file, or a Fault such as "
+                    f"faults: {entry!r} is not a fault; expected the name of a fault file, or a navfmu.Fault such as "
                     'Fault("gps", "gps.jammed", "input", start=300.0)'
                 )
         ids = [fault.id for fault in found]

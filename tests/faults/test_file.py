@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import navfmu
 from navfmu.errors import NavfmuError
 from navfmu.faults import TYPES, Fault, load_faults
 from navfmu.faults.file import parse_faults
@@ -95,5 +96,7 @@ def test_the_documented_examples_are_fault_files():
     text = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
     faults = parse_faults(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1], "docs/faults.md")
     assert [(fault.id, fault.start) for fault in faults] == [("gps_lost", 300), ("gyro_bias", 600), ("icing", 900)]
-    python = eval(re.search(r"`(Fault\(.*?\))`", text)[1], {"Fault": Fault})
-    assert (python.targets, python.start) == (faults[2].targets, 900.0)
+    made: dict = {}
+    exec(re.search(r"```python\n(.*?)```", text, re.DOTALL)[1].partition("flight =")[0], made)
+    assert made["Fault"] is navfmu.Fault is Fault
+    assert made["icing"].describe() == faults[2].describe()
