@@ -23,9 +23,7 @@ def remarks(campaign: Campaign, runs: list[Run], points: np.ndarray) -> dict[str
         if group not in matters:
             matters[group] = seeds_matter(run.experiment, campaign.seeds)
         if not matters[group]:
-            found[
-                "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
-            ] += 1
+            found[SAME] += 1
         late = _judged_no_further(campaign, run, float(points[-1]))
         if late:
             found[late] += 1

@@ -236,7 +236,7 @@ def table(
         row["first"], row["end"] = window(fault, clock)
         row["amount"], row["start"], row["lane"] = effect.amount, fault.start, effect.lane
         row["divisor"], row["drawn"], row["seen"] = 1, -1, -1
-        row["readers"] = NEXT if effect.driven else readers.get((effect.component, effect.variable), 0)
+        row["readers"] = readers.get((effect.component, effect.variable), 0) | (NEXT if effect.driven else 0)
         if effect.kind == NOISE:
             row["seed"], row["stream"] = seed, STREAM_BASE + fault_stream(fault)
             row["multiplier"], row["divisor"] = _draws(fault, clock)
@@ -280,8 +280,9 @@ def idle(
 ) -> dict[str, str]:
     """Faults that cannot change anything in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
 
-    What depends on values is seen only by running (``unseen``). ``rows`` is the ``table`` of the effects, ``every`` the
-    steps between recorded points; ``undisturbed`` has the value of each driven variable without faults.
+    What depends on values is seen only by running (``unseen``). ``rows`` is the ``table`` of the effects, in which
+    ``echoes`` has entered how long each is remembered; ``every`` the steps between recorded points; ``undisturbed`` has
+    the value of each driven variable without faults.
     """
     on: dict[tuple[str, str], list[int]] = {}  # variable -> numbers of its effects
     for number, effect in enumerate(effects):
@@ -303,10 +304,11 @@ def _idle(effect: Effect, row: np.void, clock: Clock, every: int, own: float | N
     name, first, end = f"{effect.component}.{effect.variable}", int(row["first"]), min(row["end"], clock.steps + 1)
     if not row["readers"]:
         return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded"
-    if row["readers"] == RECORDED and -(-first // every) * every >= end:
+    if row["readers"] == RECORDED and -(-first // every) * every >= min(row["until"], clock.steps + 1):
         return f"acts on '{name}', which is not connected, and at no point at which it is recorded"
     still = effect.kind == RAMP and clock.time(clock.steps) <= effect.fault.start
-    if first == clock.steps and (still or not row["readers"] & (NOW | RECORDED)):
+    looking = NOW | RECORDED if first % every == 0 else NOW
+    if first == clock.steps and (still or not row["readers"] & looking):
         return f"starts at {effect.fault.start:.9g} s, the last communication point"
     if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
         return "adds 0"

@@ -188,6 +188,7 @@ def make_plan(
         key = connected[end.key][0].key if end.key in connected else end.key
         readers[key] = readers.get(key, 0) | (0 if true else RECORDED)
     effect_table = table(ordered, slots, readers, clock, seed) if ordered else np.zeros(0, EFFECT)
+    echo_table = echoes(effect_table)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     useless = idle(ordered, effect_table, clock, every, undisturbed)
@@ -210,7 +211,7 @@ def make_plan(
         clock=clock,
         signals=tuple(f"{c}.{v}" for c, v in signals),
         driven=np.array(list(undisturbed.values()), np.float64),
-        echoes=echoes(effect_table),
+        echoes=echo_table,
         effects=effect_table,
         faults=tuple(effect.fault for effect in ordered),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),

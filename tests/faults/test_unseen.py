@@ -97,6 +97,25 @@ def test_a_window_between_recorded_points_is_told_before_the_run():
     assert not idle(bias(start=1.1, duration=0.3), record=["lag.y"], record_period=0.5)
 
 
+def test_what_a_later_fault_remembers_is_recorded_with_that():
+    """A campaign was refused in which the bias filled the signal for three seconds."""
+    between = bias(target="lag.y", start=1.1, duration=0.2)
+    options = {"record": ["lag.y"], "record_period": 0.5}
+    assert not idle(between, stuck(1.3, 1.0, target="lag.y"), **options)
+    assert idle(between, stuck(1.3, 1.0, 5.0, target="lag.y"), **options)["bias"].endswith("at which it is recorded")
+    assert idle(between, stuck(1.3, 0.1, target="lag.y"), **options)["bias"].endswith("at which it is recorded")
+
+
+def test_an_input_or_parameter_that_is_recorded_is_seen_at_the_last_point():
+    """It was told that it cannot act, beside a recording in which it did."""
+    flag = Fault("flag", "source.number", "input", 4.0, 1.0, {"value": 3})
+    gain = Fault("gain", "lag.gain", "parameter", 4.0, 1.0, {"value": 2.0})
+    assert not idle(flag, gain, record=["source.number", "lag.gain"])
+    found = plan(flag, gain, record=["source.number", "lag.gain"], record_period=0.3).idle
+    assert set(found.values()) == {"starts at 4 s, the last communication point"} and set(found) == {"flag", "gain"}
+    assert set(plan(flag, gain).idle) == {"flag", "gain"}
+
+
 def test_at_the_last_point_only_who_looks_there_sees_it():
     last = bias(start=4.0)
     assert not idle(last)
