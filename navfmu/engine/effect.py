@@ -206,7 +206,7 @@ def _amounts(fault: Fault, elements: Sequence[tuple[Component, Variable]], param
 
 
 def _amount(fault: Fault, component: Component, variable: Variable, parameter: str, value: Any) -> float:
-    what = f"'{parameter}' = {value} for '{variable.name}'"
+    what = f"'{parameter}' = {value} for '{component.name}.{variable.name}'"
     if fault.type == "drift":
         number = rate(component.description, variable, value, what)
     elif fault.type in ("bias", "noise"):

@@ -36,6 +36,16 @@ _DEGREE = 0.017453292519943295  # rad
 COMMON = {  # units that people write in parameters and limits, whether or not the FMU defines them
     unit.name: unit
     for unit in (
+        _unit("s", s=1),
+        _unit("m", m=1),
+        _unit("m/s", m=1, s=-1),
+        _unit("m/s2", m=1, s=-2),
+        _unit("rad", rad=1),
+        _unit("rad/s", rad=1, s=-1),
+        _unit("rad/s2", rad=1, s=-2),
+        _unit("K", K=1),
+        _unit("Pa", kg=1, m=-1, s=-2),
+        _unit("T", kg=1, s=-2, A=-1),
         _unit("%", 0.01),
         _unit("ppm", 1e-6),
         _unit("ms", 1e-3, s=1),
@@ -87,6 +97,18 @@ def conversion(
         )
     offset = 0.0 if difference else (source.offset - target.offset) / target.factor
     return source.factor / target.factor, offset
+
+
+def per_second(unit: Unit) -> Unit:
+    """The unit of a change of 1 of this unit in 1 s."""
+    second = BASE.index("s")
+    exponents = unit.exponents and tuple(power - (place == second) for place, power in enumerate(unit.exponents))
+    return Unit(f"{unit.name}/s", exponents, unit.factor)
+
+
+def alike(unit: Unit) -> list[str]:
+    """Names of the common units of the same dimension."""
+    return [name for name, common in COMMON.items() if common.exponents == unit.exponents]
 
 
 def _angles_agree(a: Unit, b: Unit) -> bool:

@@ -12,7 +12,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import group, short
 from navfmu.fmi.seconds import UNITS, is_finite
-from navfmu.fmi.units import COMMON, conversion
+from navfmu.fmi.units import COMMON, Unit, alike, conversion, per_second
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
 _TRUE, _FALSE = {"true", "1", "yes", "on"}, {"false", "0", "no", "off"}
@@ -157,15 +157,16 @@ def quantity(description: Description, variable: Variable, value: Any, what: str
 
 
 def rate(description: Description, variable: Variable, value: Any, what: str) -> float:
-    """A change of the variable in its own unit per s: a number, or a text such as "30 ft/min" or "1 deg/h/s"."""
+    """A change of the variable in its own unit per s: a number, or a text such as "3 ft/min", "1 kn" or "1 deg/h/s"."""
     match = _NUMBER.match(value) if isinstance(value, str) else None
     if match is None or not match[2]:
         return quantity(description, variable, value, what, difference=True)
     unit, _, time = (part.strip() for part in match[2].rpartition("/"))
-    if time not in UNITS:
-        example = f", or a text such as '1 {variable.unit}/s'" if variable.unit not in (None, "", "1") else ""
-        raise NavfmuError(f"{what}: expected a number{example}")
-    return quantity(description, variable, f"{match[1]} {unit}", what, difference=True) / UNITS[time]
+    if time in UNITS:
+        return quantity(description, variable, f"{match[1]} {unit}", what, difference=True) / UNITS[time]
+    own = description.units.get(variable.unit or "")
+    change = None if own is None else per_second(own)
+    return _converted(description, float(match[1]), match[2], change, [change.name] if change else [], what, True)
 
 
 def _with_unit(variable: Variable) -> str:
@@ -184,9 +185,23 @@ def _in_own_unit(
     if unit in display:
         factor, offset = display[unit]
         return (number if difference else number - offset) / factor
-    own, given = description.units.get(variable.unit or ""), description.units.get(unit) or COMMON.get(unit)
-    if own is not None and own.exponents is not None and given is not None:
-        factor, offset = conversion(given, own, what, difference=difference)
-        return factor * number + offset
     known = [name for name in (variable.unit, *display) if name]
-    raise NavfmuError(f"{what}: unit '{unit}' is not known here; expected {' or '.join(known) if known else 'no unit'}")
+    return _converted(description, number, unit, description.units.get(variable.unit or ""), known, what, difference)
+
+
+def _converted(
+    description: Description, number: float, unit: str, own: Unit | None, known: list[str], what: str, difference: bool
+) -> float:
+    """A number in the unit ``own``; the sentence why it cannot be ends with the units that would do."""
+    if own is None:
+        raise NavfmuError(f"{what}: expected a number without a unit, as the variable has none")
+    given = description.units.get(unit) or COMMON.get(unit)
+    fitting = list(dict.fromkeys([*known, *(alike(own) if own.exponents is not None else ())]))
+    expected = f"expected {' or '.join(filter(None, (', '.join(fitting[:-1]), *fitting[-1:])))}"
+    if given is None:
+        raise NavfmuError(f"{what}: unit '{unit}' is not known here; {expected}{nearest(unit, fitting)}")
+    try:
+        factor, offset = conversion(given, own, what, difference=difference)
+    except NavfmuError as problem:
+        raise NavfmuError(f"{problem}; {expected}") from None
+    return factor * number + offset
