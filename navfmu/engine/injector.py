@@ -45,9 +45,10 @@ class Injector:
         self._held: dict[int, float] = {}  # HOLD: the value before the window
         self._noise: dict[int, float] = {}
 
-    def leave(self, truth: dict[int, float], k: int, final: bool = True) -> dict[int, float]:
-        """The values that leave at communication point ``k``; those of 0 come about step by step, ``final`` the last.
+    def leave(self, truth: dict[int, float], k: int, only: int | None = None) -> dict[int, float]:
+        """The values that leave at communication point ``k``.
 
+        Those of 0 come about one by one: ``only`` this one goes to others, before the rest is known.
         ``ahead`` of the point before is asked for first.
         """
         values = dict(truth)
@@ -61,7 +62,7 @@ class Injector:
                     self._noise[number] = self._draw(effect, k)
                 values[slot] = self._apply(number, effect, value, k)
         for number, slot, other in self._others(k):
-            if final and _differ(other.leave({slot: truth[slot]}, k)[slot], values[slot]):
+            if only in (None, slot) and _differ(other.leave({slot: truth[slot]}, k)[slot], values[slot]):
                 self._see(number, k)
         return values
 

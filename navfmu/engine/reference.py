@@ -215,7 +215,7 @@ class Reference:
         (value,) = self._call(number, f"get{kind}", [int(move["reference"])])
         part = self.plan.parts[number]
         truth = {slot: self.truth[slot] for slot in range(part.first_signal, part.first_signal + part.signals)}
-        self._send(number, truth | {int(move["slot"]): _number(kind, value)}, 0, final=False)
+        self._send(number, truth | {int(move["slot"]): _number(kind, value)}, 0, int(move["slot"]))
 
     def _give(self, move: np.void) -> None:
         """One input, in initialisation mode."""
@@ -317,10 +317,10 @@ class Reference:
     def _read_outputs(self, number: int, part: Part, k: int) -> None:
         self._send(number, self._outputs(number, part), k)
 
-    def _send(self, number: int, truth: dict[int, float], k: int, final: bool = True) -> None:
-        """True values leave at communication point ``k``."""
+    def _send(self, number: int, truth: dict[int, float], k: int, only: int | None = None) -> None:
+        """True values leave at communication point ``k``; of those of 0 perhaps ``only`` one."""
         ahead = self._injectors[number].ahead(truth, k - 1)
-        leaving = self._injectors[number].leave(truth, k, final)
+        leaving = self._injectors[number].leave(truth, k, only)
         if k == 0:
             ahead = leaving  # no step yet: what leaves is what every input gets
         for slot, value in truth.items():

@@ -12,6 +12,7 @@ from navfmu.engine.plan import make_plan
 from navfmu.engine.reference import Reference
 from navfmu.faults import Fault
 from tests.engine.probe import probe, run_both
+from tests.foreign.stepper import stepper, write
 
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
 NOTHING = "changed nothing: without it every value that was recorded, or went to a component, would have been the same"
@@ -124,6 +125,26 @@ def test_at_the_last_point_only_who_looks_there_sees_it():
     )
     assert plan(last, record=["lag.y"]).idle
     assert not plan(bias(start=4.0, target="source.data.value"), links=[Link("source.data.value", "lag.u")]).idle
+
+
+@ALGORITHMS
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("value", [0.0, 1.0, 2.0])
+def test_what_went_round_before_0_s_is_compared_as_it_left(tmp_path, value, backwards, algorithm):
+    """a.direct is 1 + a.u / 2 and b.direct is b.u: stuck at 2, the value comes back as 2 from the circle.
+
+    The bias of -1 makes it come back as the 1 that it is anyway.
+    """
+    file = write(tmp_path / "stepper.fmu")
+    components = [stepper("a", file, gain=0.5, bias=1.0), stepper("b", file)][:: -1 if backwards else 1]
+    links = [Link("a.direct", "b.u"), Link("b.direct", "a.u")]
+    options = {"step": 0.1, "stop": 1.0, "algorithm": algorithm, "record": ["*"]}
+    for more in ((), (bias(-1.0, "b.direct", 0.0, name="b"),)):
+        without = compiled.run(make_plan(components, links, faults=more, **options))
+        made = make_plan(components, links, faults=(stuck(0.0, 0.1, value, "a.direct"), *more), **options)
+        found = run_both(made)
+        assert ("stuck" in found.idle) == (found.values.tobytes() == without.values.tobytes())
+        assert ("stuck" in found.idle) == (value == 1.0 and bool(more) and not backwards)
 
 
 def test_two_that_do_the_same_are_both_told():

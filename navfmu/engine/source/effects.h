@@ -70,9 +70,10 @@ static RARELY void search(Master *m, Effect *e, int64_t k) {
     else if (e->readers & NEXT) e->seen = k + 1;
 }
 
-/* Values that leave at communication point k, from the true ones. `final`: those of k = 0 come about step by step. */
+/* Values that leave at communication point k, from the true ones. `only`: those of k = 0 come about one by one, and this
+   signal goes to others before the rest is known; -1: all are. Nothing else of the rest can be compared. */
 static inline void leave(Master *m, int first_signal, int signals, int first_effect, int effects, int64_t k,
-                         int final) {
+                         int32_t only) {
     double *value = m->signal;
     Effect *first = m->effect + first_effect, *end = first + effects;
     memcpy(value + first_signal, value + m->signals + first_signal, sizeof(double) * (size_t)signals);
@@ -81,7 +82,7 @@ static inline void leave(Master *m, int first_signal, int signals, int first_eff
         act(m, e, value + e->slot, k);
     }
     for (Effect *e = first; e < end; e++)
-        if (e->seen < 0 && k >= e->first && k < e->until && final) search(m, e, k);
+        if (e->seen < 0 && k >= e->first && k < e->until && (only < 0 || e->slot == only)) search(m, e, k);
 }
 
 /* At t = 0 nothing lies ahead yet: what leaves is what every input gets. */

@@ -163,10 +163,10 @@ static inline int read_into(Master *m, Component *c, double *to) {
     return 0;
 }
 
-/* The faults of communication point k act on the outputs that were read; `final`: on all of them. */
-static RARELY void disturb(Master *m, Component *c, int64_t k, int final) {
+/* The faults of communication point k act on the outputs that were read: on all of them (-1) or `only` one. */
+static RARELY void disturb(Master *m, Component *c, int64_t k, int32_t only) {
     if (k > 0) look_ahead(m, c, k - 1);
-    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k, final);
+    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k, only);
     if (k == 0) no_step_yet(m, c);
 }
 
@@ -174,7 +174,7 @@ static RARELY void disturb(Master *m, Component *c, int64_t k, int final) {
 static inline int read_outputs(Master *m, Component *c, int64_t k) {
     if (read_into(m, c, c->effects ? m->signal + m->signals : m->signal)) return 1;
     called_last(c);
-    if (c->effects) disturb(m, c, k, 1);
+    if (c->effects) disturb(m, c, k, -1);
     return 0;
 }
 

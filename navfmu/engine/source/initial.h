@@ -35,7 +35,7 @@ static int read_one(Master *m, Component *c, const Move *v) {
         break;
     }
     look(c);
-    if (c->effects) disturb(m, c, 0, 0);
+    if (c->effects) disturb(m, c, 0, v->slot);
     return 0;
 }
 

@@ -2,7 +2,7 @@
 #include "initial.h"
 
 static void drive(Master *m, int64_t k) {
-    if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k, 1);
+    if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k, -1);
 }
 
 static void record(Master *m, int64_t row) {
