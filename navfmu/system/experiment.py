@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.clock import Clock
 from navfmu.errors import NavfmuError, check_progress, nearest, visible
-from navfmu.fmi.seconds import short
+from navfmu.fmi.seconds import seconds, short
 from navfmu.fmi.values import checked, expand
 from navfmu.system.assembly import Assembly
 from navfmu.system.provenance import environment, versions
@@ -41,7 +41,8 @@ FORMAT = 2  # of what a key covers; raise it when that changes
 class Experiment:
     """A system, and what is done with it. Whatever does not fit together is a ``NavfmuError``.
 
-    ``stop`` and ``step`` (s) are those of the system's default experiment unless given. ``seed`` goes to every
+    ``stop`` and ``step`` are those of the system's default experiment unless given; times are in s, or texts such as
+    "35 min". ``seed`` goes to every
     component with a parameter of that name and to the faults. ``parameters`` are laid over those of the system:
     ``{"imu.gyro_drift_sigma": "1 deg/h"}``. ``faults`` names fault files or holds faults. ``record`` names signals,
     arrays or bundles ("imu.reading"), components, patterns ("imu.*"), and values before faults
@@ -67,7 +68,7 @@ class Experiment:
         if self.seed is not None and not _is_seed(self.seed):
             raise NavfmuError(f"the seed is {self.seed!r}, expected a whole number from 0 to 2147483647")
         clock = Clock.of(step, stop)
-        period = self.record_period
+        period = _time("record_period", self.record_period)
         if period is None:
             period = _default_period(clock.time(clock.steps), clock.step)
         clock.multiple(period, "recording period")
@@ -83,7 +84,7 @@ class Experiment:
             object.__setattr__(self, name, value)
 
     def _suggested(self, name: str, suggestion: float | None) -> float:
-        value = getattr(self, name)
+        value = _time(name, getattr(self, name))
         if value is not None:
             return value
         if suggestion is None:
@@ -322,6 +323,11 @@ class Experiment:
             f"--expect {words}: the {what} not what the command was written for ({here}); without --expect it runs "
             "what is there now"
         )
+
+
+def _time(name: str, value: Any) -> Any:
+    """A time in s where a text gives it; the clock says what is wrong with others."""
+    return seconds(value, name) if isinstance(value, str) else value
 
 
 def _is_seed(value: object) -> bool:

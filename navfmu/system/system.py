@@ -41,7 +41,7 @@ class System(Assembly):
         return self.experiment(**given).plan()
 
     def run(self, progress: Callable[[int, int], None] | None = None, **given: Any) -> pandas.DataFrame:
-        """Run from 0 to ``stop`` (s) with the communication step ``step`` (s) and return the recording.
+        """Run from 0 to ``stop`` with the communication step ``step`` (s, or "35 min") and return the recording.
 
         The arguments are the fields of :class:`Experiment`: ``stop``, ``step``, ``algorithm``, ``seed``, ``faults``,
         ``record``, ``record_period``, ``parameters``, ``engine``. ``progress`` is called with the steps made and all

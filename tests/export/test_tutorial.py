@@ -16,6 +16,8 @@ from fmpy.validation import validate_fmu
 
 from navfmu import __version__
 from navfmu.export import trace
+from navfmu.export.bundle import SIGNALS
+from navfmu.export.layout import RESERVED
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "tutorial_component.md").read_text(encoding="utf-8")
@@ -147,3 +149,10 @@ def test_every_function_that_the_tutorial_lists_is_traced():
             function = getattr(function, part)
         known = function in trace.RULES or function in trace.STRUCTURAL or function in trace.FUNCTIONS
         assert known or name in ("array", "full"), name
+
+
+def test_the_tutorial_names_all_names_that_are_taken():
+    line = " ".join(TEXT.split()).partition("These names are taken in every component: ")[2]
+    component, _, bundle = line.partition(". In a task")[0].partition("; in every bundle: ")
+    assert component.replace("`", "").split(", ") == sorted(RESERVED)
+    assert set(bundle.replace("`", "").split(", ")) == {*SIGNALS, "lost", "publish"}

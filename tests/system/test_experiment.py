@@ -33,6 +33,14 @@ def experiment(system) -> Experiment:
     return system.experiment(stop=5.0, seed=3, faults=[BIAS], record=["lag", "sensor.reading"])
 
 
+@pytest.mark.parametrize(("name", "text", "same"), [("stop", "0.1 min", 6.0), ("step", "50 ms", 0.05)])
+def test_a_time_may_be_a_text(experiment, name, text, same):
+    assert getattr(replace(experiment, **{name: text}), name) == same
+    assert replace(experiment, record_period="500 ms").key == replace(experiment, record_period=0.5).key
+    with pytest.raises(NavfmuError, match=f"{name} is '5 furlongs': 'furlongs' is no unit of time"):
+        replace(experiment, **{name: "5 furlongs"})
+
+
 CHANGES = {
     "stop": 6.0,
     "step": 0.05,
@@ -115,7 +123,7 @@ def test_the_command_repeats_what_python_did_faults_included(system, tmp_path):
 
 
 WRONG = {
-    "a fault as a table": ({"faults": [{"id": "x"}]}, "is not a fault; expected the name of a fault file, or a Fault"),
+    "a fault as a table": ({"faults": [{"id": "x"}]}, "is not a fault; expected the name of a fault file, or a navfmu.Fault"),
     "a number as a signal": ({"record": [1]}, "record: 1 is not the name of a signal"),
     "an argument that is misspelt": ({"fault": BIAS}, "an experiment has no 'fault'; did you mean 'faults'"),
     "parameters as a list": ({"parameters": ["lag.tau"]}, "expected values by name"),
