@@ -123,7 +123,7 @@ def test_the_command_repeats_what_python_did_faults_included(system, tmp_path):
 
 
 WRONG = {
-    "a fault as a table": ({"faults": [{"id": "x"}]}, "is not a fault; expected the name of a fault file, or a navfmu.Fault"),
+    "a fault as a table": ({"faults": [{"id": "x"}]}, "expected the name of a fault file, or a navfmu.Fault such as"),
     "a number as a signal": ({"record": [1]}, "record: 1 is not the name of a signal"),
     "an argument that is misspelt": ({"fault": BIAS}, "an experiment has no 'fault'; did you mean 'faults'"),
     "parameters as a list": ({"parameters": ["lag.tau"]}, "expected values by name"),
