@@ -35,7 +35,7 @@ from navfmu.engine.clock import Clock
 from navfmu.engine.plan import ALGORITHMS, Plan
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults import Fault, load_faults
-from navfmu.files.reading import located
+from navfmu.files.reading import located, what_is
 from navfmu.files.schema import validated
 from navfmu.files.toml import Document, Place
 from navfmu.fmi.seconds import seconds
@@ -135,8 +135,12 @@ class _Reader:
         return located(self.path.parent / name)
 
     def system(self, name: str) -> Path:
-        beside = self.beside(name)
-        return beside if beside.exists() else self.at("system", lambda: shipped.named(name))
+
+        def found() -> Path:
+            beside = self.beside(name)
+            return shipped.named(name) if what_is(beside) is None else beside
+
+        return self.at("system", found)
 
     def variants(self, system: Path, names: Sequence[str]) -> dict[str, System]:
         known = [MAIN] if system.suffix == ".fmu" else [MAIN, *reader.variants(system)]
@@ -164,9 +168,9 @@ class _Reader:
         found: list[Fault] = []
         for place, name in enumerate(names):
             where = "case", number, "faults", place
-            beside = self.beside(name)
-            here = beside.exists() and not beside.is_dir()
             try:
+                beside = self.beside(name)
+                here = what_is(beside) not in (None, "a folder")
                 path = beside if here else system.own_attachment("faults", name)
             except NavfmuError as error:
                 raise self.document.error(str(error), *where) from None

@@ -12,7 +12,7 @@ from typing import Any
 from navfmu.campaign.definition import Campaign, Case
 from navfmu.errors import NavfmuError
 from navfmu.files.digest import content_hash
-from navfmu.files.reading import read_bytes
+from navfmu.files.reading import read_bytes, what_is
 from navfmu.system.experiment import Experiment
 
 
@@ -68,7 +68,7 @@ class Answer:
     def read(cls, run: Run, folder: Path) -> Answer | None:
         """The answer that is kept for a run; None if there is none. What is damaged is a ``NavfmuError``."""
         file = run.answer(folder)
-        if not file.exists():
+        if what_is(file) is None:
             return None
         text = read_bytes(file, "the answer of a run").decode("utf-8", "replace")
         try:

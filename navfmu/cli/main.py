@@ -10,6 +10,7 @@ import click
 
 from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.reading import out_of_reach
 from navfmu.terminal import interrupt
 from navfmu.terminal.sentence import tell
 
@@ -57,6 +58,11 @@ class _Commands(click.Group):
         except BrokenPipeError:  # the reader of our output went away, as "head" does
             sys.stderr.close()
             sys.exit(1)
+        except OSError as error:  # of a file that nothing nearer has told of
+            if error.filename is None:
+                raise
+            tell(f"navfmu: {out_of_reach(error.filename, error)}")
+            sys.exit(NavfmuError.exit_code)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

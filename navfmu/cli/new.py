@@ -17,12 +17,13 @@ _TEMPLATE = Path(__file__).parent / "templates" / "component.py.j2"
 
 def new(name: str, folder: str | Path = ".") -> Path:
     """Write ``folder/NAME.py``, a component that builds and runs as it stands; return its path."""
+    from navfmu.files.reading import what_is
     from navfmu.files.writing import write_file
     from navfmu.report.template import fill
 
     path = Path(folder) / f"{name}.py"
     _check(name)
-    if path.exists():
+    if what_is(path) is not None:
         raise NavfmuError(f"{path} exists already; choose another name, or move the file away")
     if importlib.util.find_spec(name) is not None:
         raise NavfmuError(f"'{name}' is the name of a Python module, which the file would hide; choose another name")

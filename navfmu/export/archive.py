@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from navfmu.files.archive import zipped
+from navfmu.files.reading import what_is
 from navfmu.files.writing import write_file
 
 #: Stands in what is generated until the GUID, a hash of it, is known.
@@ -24,7 +25,7 @@ FOLDERS = {
 def write(path: str | Path, files: Mapping[str, bytes | str]) -> Path:
     """Write a zip of ``files`` (name in the archive -> contents), sorted; a file with the same bytes is left alone."""
     path, content = Path(path), zipped({name: files[name] for name in sorted(files)})
-    if path.is_file() and path.read_bytes() == content:
+    if what_is(path) == "a file" and path.read_bytes() == content:
         return path
     return write_file(path, content)
 

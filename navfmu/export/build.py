@@ -18,6 +18,7 @@ from navfmu.export import archive, codegen, description, documentation, ir, life
 from navfmu.export.fingerprint import fingerprint
 from navfmu.export.illustration import Illustration, illustrate
 from navfmu.files import cache
+from navfmu.files.reading import what_is
 from navfmu.files.writing import write_file
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -241,7 +242,7 @@ def _take(key: str, path: Path) -> bool:
     if kept is None:
         return False
     content = (kept / "built.fmu").read_bytes()
-    if not (path.is_file() and path.read_bytes() == content):
+    if not (what_is(path) == "a file" and path.read_bytes() == content):
         write_file(path, content)
     return True
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.component import Component
+from navfmu.files.reading import what_is
 
 
 def components(folder: str | Path) -> dict[str, type[Component]]:
@@ -19,7 +20,7 @@ def components(folder: str | Path) -> dict[str, type[Component]]:
     neighbours; else the folder itself is where imports are looked up. Names that begin with an underscore are helpers.
     """
     folder = Path(folder).resolve()
-    if not folder.is_dir():
+    if what_is(folder) != "a folder":
         raise NavfmuError(f"there is no folder {folder}; expected one with modules that define components")
     package = (folder / "__init__.py").is_file()
     root = str(folder.parent if package else folder)

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, quoted
 from navfmu.files.digest import content_hash
-from navfmu.files.reading import what_is
+from navfmu.files.reading import out_of_reach, what_is
 
 try:
     import fcntl
@@ -97,7 +97,7 @@ def keep(kind: str, key: str, fill: Callable[[Path], None]) -> Path:
         _make(entry, fill)
     except OSError as error:  # also of a full disk, which lets one make a file and not write into it
         raise NavfmuError(
-            f"{entry.parent}: the cache folder cannot be written: {error.strerror or error}; "
+            f"{quoted(str(entry.parent))}: the cache folder cannot be written: {error.strerror or error}; "
             "set NAVFMU_CACHE to a folder that can"
         ) from None
     for folder in (kind, *EARLIER):
@@ -225,11 +225,11 @@ def _size(entries: Sequence[Path]) -> int:
 def clear() -> int:
     """Remove all entries and return how many there were; nothing else is touched."""
     home = folder()
-    if not home.is_dir():
-        return 0
-    strange = sorted(path.name for path in home.iterdir() if path.name not in (*KINDS, *EARLIER, USED))
+    strange = sorted(path.name for path in _inside(home) if path.name not in (*KINDS, *EARLIER, USED))
     if strange:
         raise NavfmuError(f"{home}: is no cache of navfmu: it holds '{strange[0]}'; nothing was removed")
+    if what_is(home) is None:
+        return 0
     with _alone(home):
         kinds = (*KINDS, *EARLIER)
         entries = [entry for kind in kinds for entry in _own(home / kind)]
@@ -244,8 +244,17 @@ def clear() -> int:
 
 def _own(home: Path) -> list[Path]:
     """The entries of a kind, unfinished ones included; what cannot be one is left out."""
-    found = sorted(home.iterdir()) if home.is_dir() else []
-    return [path for path in found if path.name.startswith(".") or _KEY.fullmatch(path.name)]
+    return [path for path in _inside(home) if path.name.startswith(".") or _KEY.fullmatch(path.name)]
+
+
+def _inside(home: Path) -> list[Path]:
+    """What a folder holds; nothing where there is none."""
+    try:
+        return sorted(home.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        raise out_of_reach(home, error) from None
 
 
 # ---- several processes -----------------------------------------------------------------------------------------------
@@ -253,9 +262,9 @@ def _own(home: Path) -> list[Path]:
 
 def _use(home: Path) -> None:
     """Tell other processes, until this one ends, that the cache is used."""
-    if fcntl is None or home in _used or not home.is_dir():
+    if fcntl is None or home in _used:
         return
-    with suppress(OSError):  # a folder that cannot be written, or locked
+    with suppress(OSError):  # a folder that is missing, or cannot be written, or locked
         lock = open(home / USED, "ab")
         fcntl.flock(lock, fcntl.LOCK_SH)
         _used[home] = lock

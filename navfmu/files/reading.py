@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, quoted
+
+NOTHING = (errno.ENOENT, errno.ENOTDIR, errno.EBADF, errno.ELOOP)
+NOTHING_ON_WINDOWS = (21, 123, 1921)  # a drive without a medium, a name that cannot be one, a link to itself
 
 KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
     (stat.S_ISDIR, "a folder"),
@@ -18,18 +23,34 @@ KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
 
 
 def what_is(path: str | Path) -> str | None:
-    """What is at a path: "a file", or "a folder", "a pipe", "a device" ...; None where there is nothing."""
+    """What is at a path: "a file", or "a folder", "a pipe", "a device" ...; None where there is nothing.
+
+    To be asked of every path that a user names: where the system does not let us see, or takes no such name, ``exists``
+    and its kin of ``Path`` raise what no user can read. This is a ``NavfmuError`` then.
+    """
     try:
         mode = Path(path).stat().st_mode
-    except (OSError, ValueError):
+    except ValueError:  # a NUL in the name, which no file has
         return None
+    except OSError as error:
+        if error.errno in NOTHING or getattr(error, "winerror", None) in NOTHING_ON_WINDOWS:
+            return None
+        raise out_of_reach(path, error) from None
     return next((words for is_it, words in KINDS if is_it(mode)), "a file")
 
 
 def located(path: str | Path) -> Path:
     """The path as it is from everywhere, without detours."""
     path = Path(path)
-    return path.resolve() if path.name in ("", "..") else path.parent.resolve() / path.name
+    return resolved(path) if path.name in ("", "..") else resolved(path.parent) / path.name
+
+
+def resolved(path: str | Path) -> Path:
+    """The path without links, as far as there are any; one that leads to itself stays."""
+    try:
+        return Path(os.path.realpath(path))
+    except ValueError as error:  # a NUL in the name
+        raise out_of_reach(path, error) from None
 
 
 def regular(path: str | Path, expected: str) -> Path:
@@ -64,4 +85,9 @@ def read_bytes(path: str | Path, expected: str, limit: int | None = None) -> byt
 
 def unreadable(path: Path, error: Exception) -> NavfmuError:
     """The sentence for a file that the system does not let us read."""
-    return NavfmuError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}")
+    return NavfmuError(f"{quoted(str(path))}: cannot be read: {getattr(error, 'strerror', None) or error}")
+
+
+def out_of_reach(path: str | Path, error: Exception) -> NavfmuError:
+    """The sentence for a path of which the system does not say what is there; of a long one the beginning."""
+    return NavfmuError(f"{quoted(str(path))}: cannot be reached: {getattr(error, 'strerror', None) or error}")

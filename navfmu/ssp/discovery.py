@@ -7,13 +7,14 @@ import sys
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
+from navfmu.files.reading import what_is
 from navfmu.ssp.writer import SystemSource
 
 
 def sources(folder: str | Path, fmus: str | Path) -> dict[Path, SystemSource]:
     """Return the systems below ``folder`` (a package), described with the FMUs in ``fmus``, by their own folder."""
     folder = Path(folder).resolve()
-    if not folder.is_dir():
+    if what_is(folder) != "a folder":
         raise NavfmuError(f"there is no folder {folder}; expected one with systems")
     if str(folder.parent) not in sys.path:
         sys.path.insert(0, str(folder.parent))

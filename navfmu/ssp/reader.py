@@ -6,7 +6,8 @@ SSP has it, but clear all the same, is read and listed in ``Structure.lenient``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import habits, open_archive, unpack
 from navfmu.files.digest import content_hash
 from navfmu.files.markup import parse, validate
-from navfmu.files.reading import read_bytes
+from navfmu.files.reading import read_bytes, resolved, what_is
 from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp import annotations
 from navfmu.ssp.document import MAIN, NAMESPACES, schema
@@ -31,16 +32,17 @@ FMU_TYPE = "application/x-fmu-sharedlibrary"
 def locate(path: str | Path) -> tuple[Path, Path]:
     """The folder that holds the documents, and the main SSD, of an .ssp, a folder or an .ssd."""
     path = Path(path)
-    if path.is_dir():
-        if not (path / MAIN).exists():
+    found = what_is(path)
+    if found == "a folder":
+        if what_is(path / MAIN) is None:
             raise NavfmuError(f"{path}: the folder has no {MAIN}")
         return path, path / MAIN
-    if not path.exists():
+    if found is None:
         raise NavfmuError(f"{path}: no such file; expected an .ssp, an .ssd or a folder with {MAIN}")
     if path.suffix.lower() == ".ssd":
         return path.parent, path
     folder = unpack(path, "SSP", content_hash(path, "an .ssp, an .ssd or a folder"))
-    if not (folder / MAIN).is_file():
+    if what_is(folder / MAIN) != "a file":
         raise NavfmuError(f"{path}: has no {MAIN}")
     return folder, folder / MAIN
 
@@ -135,13 +137,19 @@ class _Reader:
         if parts.scheme or parts.netloc or parts.fragment:
             raise NavfmuError(f"{where}: source '{source}' is not supported, expected a relative path")
         base, name = self.file.parent.resolve(), unquote(parts.path)
-        if "\\" in name and not (base / name).exists():
+        if "\\" in name and not self._is_there(base / name, where):
             self.lenient.append(f"{where}: source '{source}' is written with \\ for /")
             name = name.replace("\\", "/")
-        path = (base / name).resolve()
+        with _told(where):
+            path = resolved(base / name)
         if self.origin.is_file() and self.origin != self.file and not path.is_relative_to(base):
             raise NavfmuError(f"{where}: source '{source}' lies outside the package")
         return path
+
+    def _is_there(self, path: Path, where: str) -> bool:
+        """Whether there is something at a path that the element at ``where`` names."""
+        with _told(where):
+            return what_is(path) is not None
 
     # -- elements ------------------------------------------------------------------------------------------------
 
@@ -187,7 +195,7 @@ class _Reader:
             raise NavfmuError(f"{where}: asks for model exchange, expected co-simulation")
         source = element.get("source")
         path = self._resolve(source, where)
-        if not path.exists():
+        if not self._is_there(path, where):
             packed = self.origin.is_file() and self.origin != self.file  # a package holds all that it needs
             known = None if packed else self.find(path.name)
             if known is None:
@@ -291,7 +299,7 @@ class _Reader:
         inline = binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
         if binding.get("source"):
             file = self._resolve(binding.get("source"), where)
-            if not file.exists():
+            if not self._is_there(file, where):
                 raise NavfmuError(f"{where}: its parameter set '{binding.get('source')}' is missing")
             root, label = self._parse(file, "SystemStructureParameterValues", "ssv"), self._label(file)
         elif inline is not None:
@@ -338,7 +346,7 @@ class _Reader:
         inline = element.find("ssm:ParameterMapping", NAMESPACES)
         if element.get("source"):
             file = self._resolve(element.get("source"), where)
-            if not file.exists():
+            if not self._is_there(file, where):
                 raise NavfmuError(f"{where}: '{element.get('source')}' is missing")
             root, label = self._parse(file, "SystemStructureParameterMapping", "ssm"), self._label(file)
         elif inline is not None:
@@ -457,3 +465,12 @@ def _linear(element: Any, where: str) -> tuple[float, float]:
     if found[0] != "Linear":
         raise NavfmuError(f"{where}: {found[0]}Transformation is not supported on a connection")
     return float(found[1].get("factor", 1.0)), float(found[1].get("offset", 0.0))
+
+
+@contextmanager
+def _told(where: str) -> Iterator[None]:
+    """An error about a file gets the place of the element that names it."""
+    try:
+        yield
+    except NavfmuError as error:
+        raise NavfmuError(f"{where}: {error}") from None

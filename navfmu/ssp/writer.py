@@ -24,7 +24,7 @@ from xml.sax.saxutils import escape
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import zipped
 from navfmu.files.characters import illegal
-from navfmu.files.reading import read_bytes
+from navfmu.files.reading import read_bytes, what_is
 from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.fmu import describe
@@ -169,7 +169,7 @@ class SystemSource:
         written = []
         for name, content in (self._content(None) if fmus else self.files()).items():
             path = Path(folder) / name
-            if not path.is_file() or path.read_bytes() != content:
+            if what_is(path) != "a file" or path.read_bytes() != content:
                 write_file(path, content)
             written.append(path)
         return written

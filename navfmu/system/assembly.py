@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest, visible
-from navfmu.files.reading import located
+from navfmu.files.reading import located, what_is
 from navfmu.files.toml import Document, read_text
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
@@ -153,7 +153,7 @@ class Assembly:
         if not str(name).strip():
             raise NavfmuError(f"{kind}: the name of the file is empty")
         path = Path(name)
-        return path if path.exists() and not path.is_dir() else self.own_attachment(kind, name)
+        return path if what_is(path) not in (None, "a folder") else self.own_attachment(kind, name)
 
     def own_attachment(self, kind: str, name: str | Path) -> Path:
         """A file by its name among the package's own; what is no such name is returned as the path that it is."""
@@ -161,9 +161,9 @@ class Assembly:
         folder = self.structure.file.parent
         for place in (folder / "extra" / kind, folder / kind):
             for candidate in (place / path.name, place / f"{path.name}.toml"):
-                if candidate.exists() and not candidate.is_dir():
+                if what_is(candidate) not in (None, "a folder"):
                     return candidate
-        if path.suffix in ("", ".toml") and path.parent == Path() and not path.exists():
+        if path.suffix in ("", ".toml") and path.parent == Path() and what_is(path) is None:
             known = [file.stem for place in (folder / "extra" / kind, folder / kind) for file in place.glob("*.toml")]
             have = f" (the system has: {', '.join(sorted(known))})" if known else ""
             raise NavfmuError(f"{kind}: there is no file '{name}'{nearest(path.stem, known)}{have}")
@@ -209,7 +209,7 @@ class Assembly:
             return None
         folder, origin = self.structure.file.parent, self.structure.origin
         for inside in ("extra/report.toml", "report.toml"):
-            if (folder / inside).exists():
+            if what_is(folder / inside) is not None:
                 packed = origin.is_file() and origin != self.structure.file
                 label = f"{origin}: {inside}" if packed else str(folder / inside)
                 return Document(read_text(folder / inside, "report file"), label)

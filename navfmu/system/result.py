@@ -54,8 +54,8 @@ def check_folder(folder: str | Path, *files: str) -> Path:
     if not str(folder).strip():
         raise NavfmuError("the name of the folder to write into is empty")
     folder = Path(folder)
-    existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
-    if not existing.is_dir():
+    existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if what_is(parent))
+    if what_is(existing) != "a folder":
         raise NavfmuError(f"{folder}: cannot be written: {existing} is not a folder")
     if not os.access(existing, os.W_OK):
         raise NavfmuError(f"{folder}: cannot be written: no permission to write to {existing}")

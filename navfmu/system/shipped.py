@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.reading import what_is
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -14,12 +15,12 @@ def folders() -> list[Path]:
     candidates = [_PACKAGE.parent / "dist", _PACKAGE / "shipped"]
     if not (_PACKAGE.parent / "pyproject.toml").is_file():  # installed: a neighbour called "dist" is not ours
         candidates = candidates[1:]
-    return [folder for folder in candidates if folder.is_dir()]
+    return [folder for folder in candidates if what_is(folder) == "a folder"]
 
 
 def find(name: str) -> Path | None:
     """A shipped file by its name, for example "imu.fmu"."""
-    return next((folder / name for folder in folders() if (folder / name).is_file()), None)
+    return next((folder / name for folder in folders() if what_is(folder / name) == "a file"), None)
 
 
 def path(name: str) -> Path:
@@ -37,7 +38,7 @@ def names(suffix: str = "") -> list[str]:
 
 def system(name: str) -> Path:
     """A system or FMU by path, or a shipped system by its bare name ("backup_navigator")."""
-    return Path(name) if name.strip() and Path(name).exists() else named(name)
+    return Path(name) if name.strip() and what_is(name) is not None else named(name)
 
 
 def named(name: str) -> Path:
