@@ -226,7 +226,7 @@ class Compiled:
         notes += complained(self.plan, self._logs, {*self._refused, self._master.ended})
         notes += floating.strayed(self.plan, [component.strayed for component in self._components])
         over = self.k == self.plan.clock.steps or self._master.ended >= 0
-        idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over)
+        idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over, self._master.turn)
         return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle)
 
     def _count_lost(self) -> dict[str, int]:
@@ -293,6 +293,7 @@ class Compiled:
         for array, saved in zip(self._memory, snapshot.memory, strict=True):
             array[...] = saved
         self._place.k, self._place.rows = snapshot.k, snapshot.k // self.plan.record_every + 1
+        self._master.turn = -1
         if self._master.ended >= 0:
             self._master.ended, self._master.interrupt = -1, 0
 
@@ -365,6 +366,7 @@ class Compiled:
             numerator=plan.clock.numerator,
             denominator=plan.clock.denominator,
             ended=-1,
+            turn=-1,
         )
 
     def _inputs(self, group: Inputs) -> structures.Inputs:

@@ -59,7 +59,7 @@ EFFECT = np.dtype(
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
         ("until", np.int64),  # from this communication point on nothing can be seen of it any more
-        ("seen", np.int64),  # the communication point at which it is seen first, -1: not yet
+        ("seen", np.int64),  # when it is seen first: 2 k, at point k, or 2 k + 1, in the step after it; -1: not yet
         ("before", np.float64),  # the signal before it, now
     ],
     align=True,
@@ -320,12 +320,12 @@ def _idle(effect: Effect, row: np.void, clock: Clock, every: int, own: float | N
     return ""
 
 
-def unseen(faults: Sequence[Fault], seen: Sequence[int], clock: Clock, k: int) -> dict[str, str]:
+def unseen(faults: Sequence[Fault], seen: Sequence[bool], clock: Clock, k: int) -> dict[str, str]:
     """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
 
-    ``faults`` and ``seen`` are by effect.
+    ``faults`` and ``seen``, whether something was seen of it, are by effect.
     """
-    acted = {fault.id for fault, point in zip(faults, seen, strict=True) if 0 <= point <= k}
+    acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if was_seen}
     reasons = {}
     for fault in faults:
         if fault.id not in acted:

@@ -28,9 +28,9 @@ State = tuple[dict[int, float], dict[int, float], list[int], list[Any]]
 class Injector:
     """The effects on the signals of one component; ``truth`` maps each of them to its true value.
 
-    ``seen`` has for each effect the communication point at which a bit is different because of it, -1 before that: it
-    is found by an injector of all the others on the same signal. ``every`` is the number of steps between recorded
-    points; without it nothing is looked for.
+    ``seen`` has for each effect when a bit is different because of it: 2 k, at communication point k, or 2 k + 1, in
+    the step after it; -1 before that. It is found by an injector of all the others on the same signal. ``every`` is the
+    number of steps between recorded points; without it nothing is looked for.
     """
 
     def __init__(self, effects: Sequence[np.void], clock: Clock, every: int = 0) -> None:
@@ -76,7 +76,7 @@ class Injector:
         for number, slot, other in self._others(k):
             differs = _differ(other.ahead({slot: truth[slot]}, k)[slot], values[slot])
             if differs and self._effects[number]["readers"] & AHEAD:
-                self.seen[number] = k + 1
+                self.seen[number] = 2 * k + 1
         return values
 
     def _others(self, k: int) -> list[tuple[int, int, Injector]]:
@@ -90,11 +90,14 @@ class Injector:
     def _see(self, number: int, k: int) -> None:
         """A value that leaves at ``k`` is different because of an effect: who sees it?"""
         readers = int(self._effects[number]["readers"])
-        recorded = readers & RECORDED and k % self._every == 0
-        if readers & NOW or recorded or (k == 0 and readers & (NEXT | AHEAD)):
-            self.seen[number] = k
+        if k == 0 and readers & (NOW | NEXT | AHEAD):
+            self.seen[number] = 0
+        elif readers & NOW:
+            self.seen[number] = 2 * k - 1
+        elif readers & RECORDED and k % self._every == 0:
+            self.seen[number] = 2 * k
         elif readers & NEXT:
-            self.seen[number] = k + 1
+            self.seen[number] = 2 * k + 1
 
     def _apply(self, number: int, effect: np.void, value: float, k: int) -> float:
         kind, amount = effect["kind"], float(effect["amount"])

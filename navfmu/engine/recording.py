@@ -107,13 +107,27 @@ def ended(plan: Plan, logs: Sequence[Log], component: int, k: int, last: float) 
     return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s{why}"]
 
 
-def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool) -> dict[str, str]:
+def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> dict[str, str]:
     """Faults that changed nothing up to communication point ``k``, by id, and why; none unless the run is ``over``.
 
-    ``seen`` is by effect, -1 where it was not. Those that could not change anything are not told again.
+    ``seen`` is by effect, as in ``EFFECT``. ``turn`` is the component at which the step after ``k`` was left without
+    being complete, -1: there is none. Those that could not change anything are not told again.
     """
-    found = unseen(plan.faults, seen, plan.clock, k) if over else {}
+    if not over:
+        return {}
+    taken, slots = _taken(plan, turn), plan.effects["slot"].tolist()
+    was = [0 <= at <= 2 * k or (at == 2 * k + 1 and slot in taken) for at, slot in zip(seen, slots, strict=True)]
+    found = unseen(plan.faults, was, plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
+
+
+def _taken(plan: Plan, turn: int) -> set[int]:
+    """Signals that components have taken in a step that was left at component ``turn``."""
+    if turn < 0:
+        return set()
+    came = plan.order[: plan.order.index(turn) + 1] if plan.algorithm == "gauss_seidel" else range(len(plan.parts))
+    groups = [(part.smooth, part.real, part.integer, part.boolean) for part in (plan.parts[number] for number in came)]
+    return {slot for inputs in groups for group in inputs for slot in group.source.tolist()}
 
 
 def recording(

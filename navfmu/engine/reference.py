@@ -109,6 +109,7 @@ class Reference:
         self._lost: dict[str, int] = {}
         self._initialised = self._terminated = False
         self._ended, self._last = -1, math.nan  # the component that has ended the run; how far a discarded step got (s)
+        self._turn = -1  # the component at which a step was left that is not complete
         self._snapshots = 0  # that are held
         try:
             for number, part in enumerate(plan.parts):
@@ -145,6 +146,7 @@ class Reference:
                 step(self.plan.clock.time(self.k))
             except _Ended:
                 return
+            self._turn = -1
             self.k += 1
             self._drive(self.k)
             self._record()
@@ -193,7 +195,7 @@ class Reference:
         notes += floating.strayed(self.plan, [fmu.strayed for fmu in fmus])
         over = self.k == self.plan.clock.steps or self._ended >= 0
         seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
-        return recording(self.plan, rows, notes, lost, unmoved(self.plan, seen, self.k, over))
+        return recording(self.plan, rows, notes, lost, unmoved(self.plan, seen, self.k, over, self._turn))
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -241,12 +243,13 @@ class Reference:
         for number, part in enumerate(self.plan.parts):
             self._set_held(number, part)
         for number, part in enumerate(self.plan.parts):
+            self._turn = number
             self._make_step(number, t)
             self._read_outputs(number, part, self.k + 1)
 
     def _gauss_seidel(self, t: float) -> None:
         for number in self.plan.order:
-            part = self.plan.parts[number]
+            part, self._turn = self.plan.parts[number], number
             self._set_smooth(number, part)
             self._set_held(number, part)
             self._make_step(number, t)
@@ -359,7 +362,7 @@ class Reference:
             self._call(number, "setFMUstate", state)
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
             injector.set_state(state)
-        self.k, self._ended = snapshot.k, -1
+        self.k, self._ended, self._turn = snapshot.k, -1, -1
         self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
         self.begin = [list(begin) for begin in snapshot.begin]
 

@@ -137,7 +137,7 @@ class Master(Structure):
         *((name, c_void_p) for name in ("column", "rows")),
         ("record_every", c_int64),
         *((name, c_double) for name in ("step", "numerator", "denominator")),
-        *((name, c_int32) for name in ("interrupt", "status", "ended")),
+        *((name, c_int32) for name in ("interrupt", "status", "ended", "turn")),
         ("last", c_double),
     ]
 

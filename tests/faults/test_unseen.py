@@ -9,6 +9,7 @@ from navfmu.engine import compiled
 from navfmu.engine.compiled import Compiled
 from navfmu.engine.link import Link
 from navfmu.engine.plan import make_plan
+from navfmu.engine.recording import RunError
 from navfmu.engine.reference import Reference
 from navfmu.faults import Fault
 from tests.engine.probe import probe, run_both
@@ -145,6 +146,47 @@ def test_what_went_round_before_0_s_is_compared_as_it_left(tmp_path, value, back
         found = run_both(made)
         assert ("stuck" in found.idle) == (found.values.tobytes() == without.values.tobytes())
         assert ("stuck" in found.idle) == (value == 1.0 and bool(more) and not backwards)
+
+
+@ALGORITHMS
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_fault_that_makes_an_fmu_end_the_run_has_changed_something(tmp_path, backwards, algorithm):
+    """It was told that it changed nothing, and the campaign that looked for just that failed for it."""
+    file = write(tmp_path / "stepper.fmu")
+    driven = Fault("gust", "b.u", "input", 2.0, 9.0, {"value": 100.0})
+    alone = [stepper("b", file, u=1.0, most=50.0)]
+    for links, fault in (([], driven), ([Link("a.x", "b.u")], bias(100.0, "a.x", 2.0, 9.0))):
+        components = [stepper("a", file, u=1.0), *alone][:: -1 if backwards else 1]
+        late = stuck(2.2, 1.0, target="a.x", name="late")
+        made = make_plan(components, links, step=0.1, stop=4.0, faults=(fault, late), algorithm=algorithm)
+        found = run_both(made)
+        assert found.time[-1] == 2.0 and set(found.idle) == {"late"}
+
+
+@ALGORITHMS
+def test_what_a_step_that_is_not_complete_has_not_come_to_was_not_taken(tmp_path, algorithm):
+    """b ends the run. What goes to c is taken before that in Jacobi only, what leaves after it is recorded nowhere."""
+    file = write(tmp_path / "stepper.fmu")
+    components = [stepper("a", file, u=1.0), stepper("b", file, most=50.0), stepper("c", file)]
+    gust = Fault("gust", "b.u", "input", 2.0, 9.0, {"value": 100.0})
+    to_c = Fault("to_c", "c.u", "input", 2.0, 9.0, {"value": 3.0})
+    left = bias(1.0, "a.x", 2.1, name="left")
+    made = make_plan(components, [], step=0.1, stop=4.0, faults=(gust, to_c, left), algorithm=algorithm)
+    found = run_both(made).idle
+    assert found.pop("left") == "starts at 2.1 s, but the run ended at 2 s"
+    assert set(found) == ({"to_c"} if algorithm == "gauss_seidel" else set())
+
+
+@ALGORITHMS
+@pytest.mark.parametrize("kind", [Compiled, Reference])
+def test_a_fault_that_an_fmu_refuses_in_the_step_in_which_another_ends_the_run(tmp_path, kind, algorithm):
+    file = write(tmp_path / "stepper.fmu")
+    components = [stepper("b", file, ends_at=2.1), stepper("c", file, most=50.0, stubborn=True)]
+    gust = Fault("gust", "c.u", "input", 2.0, 9.0, {"value": 100.0})
+    made = make_plan(components, [], step=0.1, stop=4.0, faults=(gust,), algorithm=algorithm)
+    with kind(made) as engine, pytest.raises(RunError) as raised:
+        engine.run()
+    assert raised.value.recording.time[-1] == 2.0 and not raised.value.recording.idle
 
 
 def test_two_that_do_the_same_are_both_told():

@@ -3,7 +3,7 @@
    - `direct` is gain * u + bias, in initialisation mode, too; `fixed` is what the parameter `bias` says.
    - fmi2SetupExperiment begins anew: what was set before is forgotten, as FMUs made with 20-sim do.
    - At `ends_at` + `spread` * `seed` it wants no more: fmi2DoStep is discarded. `stubborn`: it does not say that this
-     is an end. A step longer than `longest` is an end before it has begun.
+     is an end. A step longer than `longest`, or one with more than `most` at u, is an end before it has begun.
    Value references of each type start at 0; see stepper.py. */
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 
 #include "fmi2Functions.h"
 
-enum { U, X, DIRECT, FIXED, GAIN, BIAS, ENDS_AT, SPREAD, LONGEST, REALS };
+enum { U, X, DIRECT, FIXED, GAIN, BIAS, ENDS_AT, SPREAD, LONGEST, MOST, REALS };
 enum { NUMBER, DOUBLE, SEED, INTEGERS };
 enum { FLAG, NOT, STUBBORN, BOOLEANS };
 
@@ -26,7 +26,7 @@ static void begin(Stepper *s) {
     memset(s, 0, sizeof *s);
     s->callbacks = callbacks;
     s->r[GAIN] = 1.0;
-    s->r[ENDS_AT] = s->r[LONGEST] = 1e9;
+    s->r[ENDS_AT] = s->r[LONGEST] = s->r[MOST] = 1e9;
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
@@ -48,7 +48,8 @@ void fmi2FreeInstance(fmi2Component c) {
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean never_back) {
     Stepper *s = c;
-    double last = h > s->r[LONGEST] ? t : s->r[ENDS_AT] + s->r[SPREAD] * s->i[SEED], end = fmin(t + h, last);
+    int refused = h > s->r[LONGEST] || s->r[U] > s->r[MOST];
+    double last = refused ? t : s->r[ENDS_AT] + s->r[SPREAD] * s->i[SEED], end = fmin(t + h, last);
     if (never_back) s->certain = s->r[X];
     s->r[X] = s->certain + s->r[U] * (end - t);
     s->time = end;

@@ -42,6 +42,7 @@ def description(dependencies: Dependencies = DEPENDENCIES, identifier: str = "st
         fmus.variable("seed", "parameter", "Integer", 2, start="0"),
         fmus.variable("spread", "parameter", reference=7, start="0"),
         fmus.variable("longest", "parameter", reference=8, start="1e9"),
+        fmus.variable("most", "parameter", reference=9, start="1e9"),
     ]
     text = fmus.describe(identifier, variables)
     attributes = " ".join(f'{name}="{value}"' for name, value in flags.items())

@@ -52,7 +52,7 @@ static const Field FIELDS[] = {
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
     FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
-    FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, last),
+    FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, turn), FIELD(Master, last),
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE),

@@ -38,7 +38,10 @@ static int go_on(Master *m, int64_t until) {
     while (place->k < until) {
         if (*(volatile int32_t *)&m->interrupt) return outside(m, INTERRUPTED);
         if (!(place->k & 63)) look_again(m);
-        if (step(m)) return m->status == fmi2OK ? outside(m, INTERRUPTED) : FAILED;
+        if (step(m)) {
+            m->turn = place->component;
+            return m->status == fmi2OK ? outside(m, INTERRUPTED) : FAILED;
+        }
         place->k++;
         drive(m, place->k);
         if (place->k == next) {

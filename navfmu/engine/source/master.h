@@ -30,7 +30,8 @@ typedef struct {
     int32_t readers;              /* who sees the signal: a sum of Reader */
     int32_t first_echo, echoes;   /* later effects on the same signal */
     int64_t until;                /* from this point on nothing can be seen of it any more */
-    int64_t seen;                 /* the communication point at which a bit is different because of it, -1: none yet */
+    int64_t seen;                 /* when a bit is different because of it: 2 k, at communication point k, or 2 k + 1, in
+                                     the step after it; -1: not yet */
     double before;                /* the signal before it, now */
 } Effect;
 
@@ -143,6 +144,7 @@ typedef struct {
     int32_t interrupt;            /* set to 1 from another thread to stop at the next communication point */
     int32_t status;               /* what the call at `place` returned when it failed; fmi2OK: it ended the run */
     int32_t ended;                /* the component that has ended the run (fmi2Terminated), -1: none */
+    int32_t turn;                 /* the component at which a step was left that is not complete, -1: none */
     double last;                  /* s, how far a step that was discarded got, as the FMU says; else NaN */
 } Master;
 
