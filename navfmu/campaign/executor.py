@@ -19,6 +19,7 @@ from navfmu.errors import Interrupted, NavfmuError, check_progress, nearest
 from navfmu.files.writing import TEMPORARY
 from navfmu.system.pool import Board, Report, in_threads
 from navfmu.system.result import check_folder
+from navfmu.system.results_folder import check_results
 
 WORKERS = ("process", "thread")
 
@@ -48,7 +49,7 @@ def run_campaign(
         raise NavfmuError(f"the timeout is {timeout:g} s, expected a positive number")
     if timeout is not None and workers == "thread":
         raise NavfmuError("a timeout needs worker processes: a thread that hangs cannot be ended")
-    folder, runs = check_folder(folder, *FILES), runs_of(campaign)
+    folder, runs = check_results(folder, "a campaign", *FILES), runs_of(campaign)
     check_folder(folder / "runs", *(file.name for run in runs for file in run.files(folder)))
     with _alone(folder):
         _tidy(folder)

@@ -35,12 +35,12 @@ def command(
     """Run the campaign of FILE.toml: variants x cases x seeds against requirements. Finished runs are kept."""
     from navfmu.campaign import load_campaign, run_campaign
     from navfmu.campaign.show import show
-    from navfmu.system.result import check_folder
+    from navfmu.system.results_folder import check_results
     from navfmu.terminal.progress import Progress
 
-    folder = None if out is None else check_folder(out)
+    folder = None if out is None else check_results(out, "a campaign")
     plan = load_campaign(file, seeds, strict=strict)
-    folder = folder or check_folder(f"results/{plan.name}")
+    folder = folder or check_results(f"results/{plan.name}", "a campaign")
     with Progress(plan.name) as progress:
         outcome = run_campaign(
             plan, folder, jobs, progress, workers=workers, timeout=timeout, retry_failed=retry_failed

@@ -22,10 +22,11 @@ from navfmu.cli.options import load, system_options, tell
 def command(system: str, out: str | None, report: str | None, expect: str | None, **given: Any) -> None:
     """Run SYSTEM: an .ssp, an .ssd, a folder, an .fmu, or a shipped system by its name."""
     from navfmu.system import result
+    from navfmu.system.results_folder import check_results
     from navfmu.terminal.progress import Progress
 
     target = None if out is None else result.check_target(out)
-    folder = None if report is None else result.check_folder(report, "report.html", "recording.parquet")
+    folder = None if report is None else check_results(report, "a run", "report.html", "recording.parquet")
     loaded, given = load(system, given)
     if folder is not None:
         from navfmu.system.run_report import to_record, write_report

@@ -24,10 +24,10 @@ def command(
     from navfmu.sweep.report import FILES, write_report
     from navfmu.sweep.show import show
     from navfmu.sweep.sweep import sweep
-    from navfmu.system.result import check_folder
+    from navfmu.system.results_folder import check_results
     from navfmu.terminal.progress import Progress
 
-    folder = None if out is None else check_folder(out, *FILES)
+    folder = None if out is None else check_results(out, "a sweep", *FILES)
     sizes = numbers(steps, "--steps")
     loaded, given = load(system, given)
     experiment = loaded.experiment(step=min(sizes), **given)

@@ -14,13 +14,18 @@ from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
 from navfmu.sweep.recommendation import findings, recommendation
 from navfmu.sweep.result import ALGORITHMS, Sweep
+from navfmu.system.results_folder import check_results
 
 SHOWN = 6  # signals in the picture
 FILES = ("sweep.csv", "sweep.json", "sweep.png", "report.html")
 
 
 def write_report(result: Sweep, folder: str | Path) -> Path:
-    """Write ``sweep.csv``, ``sweep.json``, ``sweep.png`` and ``report.html``; return the path of the report."""
+    """Write ``sweep.csv``, ``sweep.json``, ``sweep.png`` and ``report.html``; return the path of the report.
+
+    A folder with the results of something else is refused.
+    """
+    check_results(folder, "a sweep", *FILES)
     folder = Path(folder)
     rows = table(result)
     about = {

@@ -18,6 +18,7 @@ from navfmu.system.assembly import Assembly
 from navfmu.system.experiment import Experiment
 from navfmu.system.report_file import missing
 from navfmu.system.result import write
+from navfmu.system.results_folder import check_results
 from navfmu.system.scene import scene_of
 from navfmu.system.summary import summary
 
@@ -42,8 +43,10 @@ def write_report(
 ) -> Path:
     """Write ``report.html`` and the recording into a folder; return the path of the report.
 
-    Signals in ``named`` are drawn beside the pictures of the system's report file.
+    Signals in ``named`` are drawn beside the pictures of the system's report file. A folder with the results of
+    something else is refused.
     """
+    check_results(folder, "a run", "report.html", RECORDING)
     folder = Path(folder)
     write(frame, folder / RECORDING)
     return write_file(folder / "report.html", page(frame, experiment, named).html())
