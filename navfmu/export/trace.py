@@ -477,7 +477,7 @@ class Traced(np.ndarray):
         """Nearest whole numbers, halves to even."""
         if decimals or out is not None:
             refuse("rounding to decimals is not traced", "scale, then np.rint")
-        return np.rint(self)
+        return self if _dtype(self) is int else np.rint(self)
 
     argmax = _refused("argmax", "select with np.where")
     argmin = _refused("argmin", "select with np.where")
