@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from navfmu.campaign.remarks import remarks
+from navfmu.campaign.remarks import SAME, remarks
 from navfmu.campaign.requirement import Finding, Requirement, enough, judge, wilson
 
 if TYPE_CHECKING:
@@ -26,6 +26,12 @@ class Judged:
     run: Run
     answer: Answer
     findings: dict[str, Finding]
+    remarks: tuple[str, ...] = ()  # on the campaign itself, where they concern this run
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the run noted, and what the campaign has to say of it."""
+        return *self.answer.notes, *self.remarks
 
     @property
     def error(self) -> str | None:
@@ -45,11 +51,12 @@ class Cell:
     total: int
     sentence: str
     worst: Judged | None
+    distinct: int  # runs that can differ: 1 where the seed changes nothing
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 % confidence interval of the share of runs that hold, in percent."""
-        return wilson(self.held, self.total)
+        """95 % confidence interval of the share of runs that hold, in percent: from those that can differ."""
+        return wilson(self.held * self.distinct // max(self.total, 1), self.distinct)
 
     @property
     def rank(self) -> tuple[bool, float, float]:
@@ -67,7 +74,6 @@ class Outcome:
     runs: list[Judged]
     cells: list[Cell]
     points: np.ndarray  # s, when rows were to be recorded; a run that an FMU has ended has fewer
-    remarks: dict[str, int]  # on the campaign itself, each with the number of runs that it concerns
     mended: tuple[str, ...] = ()  # files of earlier runs that were damaged, and so flown again
 
     @property
@@ -80,6 +86,11 @@ class Outcome:
     def notes(self) -> dict[str, int]:
         """What the runs noted, each sentence with the number of runs that did, and remarks on the campaign."""
         return dict(Counter(note for judged in self.runs for note in judged.answer.notes)) | self.remarks
+
+    @property
+    def remarks(self) -> dict[str, int]:
+        """What is to be said of the campaign itself, each sentence with the number of runs that it concerns."""
+        return dict(Counter(remark for judged in self.runs for remark in judged.remarks))
 
     @property
     def idle(self) -> dict[tuple[str, str, str, str], list[int]]:
@@ -112,7 +123,7 @@ class Outcome:
                 "error": judged.error or "",
                 "not_finite": " ".join(judged.answer.not_finite),
                 "idle": " | ".join(f"{fault} {why}" for fault, why in judged.answer.idle.items()),
-                "notes": " | ".join(judged.answer.notes),
+                "notes": " | ".join(judged.notes),
                 "recording": f"runs/{judged.answer.recording}" if judged.answer.recording else "",
             }
             for requirement, finding in judged.findings.items():
@@ -128,7 +139,10 @@ def evaluate(
 ) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
     points = runs[0].experiment.points
-    judged = [_judge_run(campaign, run, answers[run.key], folder, points) for run in runs]
+    judged = [
+        replace(_judge_run(campaign, run, answers[run.key], folder, points), remarks=said)
+        for run, said in zip(runs, remarks(campaign, runs, points), strict=True)
+    ]
     cells = []
     for variant in campaign.systems:
         for case in campaign.cases:
@@ -136,7 +150,7 @@ def evaluate(
             for requirement in campaign.requirements:
                 if requirement.applies(variant, case.name):
                     cells.append(_cell(requirement, variant, case, group, folder, points))
-    return Outcome(campaign, folder, judged, cells, points, remarks(campaign, runs, points), mended)
+    return Outcome(campaign, folder, judged, cells, points, mended)
 
 
 def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
@@ -179,15 +193,21 @@ def _cell(
         if finding.first_violation is not None:
             sentence += f", first violated at t = {finding.first_violation:.9g} s"
     sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
-    return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0])
+    return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(group))
 
 
 def _ends(group: list[Judged], early: int) -> str:
     """What to say of runs that are not whole: "; 1 ended with an error; 2 ended before all points were reached"."""
     failed, idle = sum(j.error is not None for j in group), sum(bool(j.answer.idle) for j in group)
     sentence = f"; {failed} ended with an error" if failed else ""
+    sentence += "; all are one run, and the interval is that of one" if _distinct(group) < len(group) else ""
     sentence += f"; in {idle} a fault changed nothing, which counts as not held" if idle else ""
     return sentence + (f"; {early} ended before all points were reached" if early else "")
+
+
+def _distinct(group: list[Judged]) -> int:
+    """The number of runs that can differ."""
+    return 1 if any(SAME in judged.remarks for judged in group) else len(group)
 
 
 def percent(value: float) -> str:
@@ -221,7 +241,8 @@ def _quantile_cell(
     good = [j for j in group if j.error is None]
     rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
     if not rows:
-        return Cell(requirement, variant, case.name, False, 0, len(group), "every run ended with an error", None)
+        sentence = "every run ended with an error"
+        return Cell(requirement, variant, case.name, False, 0, len(group), sentence, None, _distinct(group))
     window = requirement.window(points)
     values = np.full((len(rows), len(points)), np.nan)  # a run that ended early is outside from then on
     for number, row in enumerate(rows):
@@ -230,7 +251,8 @@ def _quantile_cell(
     passed = found.passed and len(good) == len(group) and not any(j.answer.idle for j in group)
     early = sum(j.findings[requirement.id].missing > 0 for j in good)
     sentence = found.sentence + _ends(group, early)
-    return Cell(requirement, variant, case.name, passed, found.held, len(group), sentence, good[found.most_wrong])
+    worst, distinct = good[found.most_wrong], _distinct(group)
+    return Cell(requirement, variant, case.name, passed, found.held, len(group), sentence, worst, distinct)
 
 
 @dataclass(frozen=True)

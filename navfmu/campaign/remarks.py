@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -14,20 +13,17 @@ from navfmu.system.experiment import Experiment
 SAME = "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
 
 
-def remarks(campaign: Campaign, runs: list[Run], points: np.ndarray) -> dict[str, int]:
-    """Sentences, each with the number of runs that it concerns; ``points`` (s) are the times of recorded rows."""
-    found: Counter[str] = Counter()
+def remarks(campaign: Campaign, runs: list[Run], points: np.ndarray) -> list[tuple[str, ...]]:
+    """For each run the sentences that concern it; ``points`` (s) are the times of recorded rows."""
     matters: dict[tuple[str, str], bool] = {}
+    found = []
     for run in runs:
         group = run.variant, run.case.name
         if group not in matters:
             matters[group] = seeds_matter(run.experiment, campaign.seeds)
-        if not matters[group]:
-            found[SAME] += 1
         late = _judged_no_further(campaign, run, float(points[-1]))
-        if late:
-            found[late] += 1
-    return dict(found)
+        found.append((*(() if matters[group] else (SAME,)), *((late,) if late else ())))
+    return found
 
 
 def seeds_matter(experiment: Experiment, seeds: tuple[int, ...]) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas
 import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.outcome import Outcome
-from navfmu.campaign.requirement import enough
+from navfmu.campaign.requirement import enough, wilson
 from navfmu.errors import NavfmuError
 from tests.components import systems
 
@@ -30,6 +31,13 @@ def test_seeds_that_change_nothing_are_said(tmp_path):
     outcome = flown(tmp_path, systems.ring(), 'seeds = "1-3"\n', cases)
     assert outcome.passed and outcome.remarks == {SEEDS: 3}
     assert f"{SEEDS} (in 3 of 6 runs)" in outcome.report.read_text()
+    table = pandas.read_csv(tmp_path / "out" / "runs.csv", keep_default_na=False)
+    assert [SEEDS in notes for notes in table["notes"]] == (table["case"] == "quiet").tolist()
+    quiet, noisy = outcome.cells
+    assert (quiet.held, quiet.total, quiet.interval) == (3, 3, wilson(1, 1))
+    assert noisy.interval == wilson(3, 3)
+    assert "held in 3 of 3 runs" in quiet.sentence and "all are one run, and the interval" in quiet.sentence
+    assert "one run" not in noisy.sentence
 
 
 @pytest.mark.parametrize(("seeds", "own", "said"), [("1-2", "", 0), ("1", "", 0), ("1-2", '"sensor.seed" = 3\n', 2)])
@@ -50,6 +58,7 @@ def test_seeds_that_a_component_takes_are_not_talked_down(tmp_path, seeds, own, 
 def test_time_after_the_last_recorded_point_is_not_judged_in_silence(tmp_path, period, more, said):
     outcome = flown(tmp_path, systems.ring(), f"record_period = {period}\n", more)
     assert outcome.remarks == ({f"{said} (the recording period is 0.3 s)": 1} if said else {})
+    assert (said in (tmp_path / "out" / "runs.csv").read_text()) and bool(outcome.runs[0].remarks) == bool(said)
 
 
 def test_runs_beside_a_quantile_are_refused(tmp_path):
