@@ -38,8 +38,8 @@ HALF, MOST = 500.0, 926.0
 """Bounds of the median and of the 95th percentile of the flights, m."""
 SHARE, SAMPLES, PRINTED = 95.0, 99.5, 10.0
 """Bounds of the share inside 3 sigma, %: of each flight's time, of all samples, and of those of (6.40) as printed."""
-DRIFT = "Half of the flights on dead reckoning alone end beyond 0.5 n.mi."
-BOUNDED = "At every time 95 % of the flights are within 0.5 n.mi."
+DRIFT = "Half of the flights on dead reckoning alone end beyond 0.5 nmi"
+BOUNDED = "At every time 95 % of the flights are within 0.5 nmi"
 
 
 def run(out: Path) -> Section:
@@ -73,7 +73,7 @@ def section(flights: dict[str, Flights], hdop: pd.Series, seeds: Sequence[int], 
         page.picture(picture(flights, claims), "Horizontal error of every receiver against time since GPS was lost")
         page.table(HEADINGS, [[NAMES[name], *f.row()] for name, f in flights.items()])
         page.text(
-            "Predicted by the covariance: the share of samples above 0.5 n.mi. that a zero-mean normal error with the "
+            "Predicted by the covariance: the share of samples above 0.5 nmi that a zero-mean normal error with the "
             "filter's own covariance would have. For the filter as shipped it stands beside what was measured."
         )
         page.table(
@@ -90,7 +90,7 @@ def make_claims(flights: dict[str, Flights]) -> list[Claim]:
     claims = [
         Claim(
             DRIFT, alone.percentile(50)[-1], MOST, unit="m",
-            opposite="Half of the flights on dead reckoning alone end within 0.5 n.mi.",
+            opposite="Half of the flights on dead reckoning alone end within 0.5 nmi",
         )
     ]  # fmt: skip
     for name in RECEIVERS:
@@ -103,7 +103,7 @@ def make_claims(flights: dict[str, Flights]) -> list[Claim]:
             ),
             Claim(
                 f"{BOUNDED}, {who}", np.max(f.percentile(95)), MOST, False, "m",
-                f"Not at every time 95 % of the flights are within 0.5 n.mi., {who}",
+                f"Not at every time 95 % of the flights are within 0.5 nmi, {who}",
             ),
             Claim(
                 f"Every flight is inside its filter's own 3 sigma for at least {SHARE:g} % of the time, {who}",
@@ -137,8 +137,8 @@ def titles(claims: Sequence[Claim]) -> tuple[str, str]:
     left = f"Dead reckoning {'drifts away' if drifts else 'stays near'}, DME ranges "
     left += "bound it" if bounded["main"] else "do not bound it"
     if all(bounded.values()):
-        return left, "With any receiver 95 % stay within 0.5 n.mi."
-    return left, f"95 % do {'not' if not any(bounded.values()) else 'not always'} stay within 0.5 n.mi."
+        return left, "With any receiver 95 % stay within 0.5 nmi"
+    return left, f"95 % do {'not' if not any(bounded.values()) else 'not always'} stay within 0.5 nmi"
 
 
 def dilution() -> pd.Series:
@@ -219,7 +219,7 @@ def picture(flights: dict[str, Flights], claims: Sequence[Claim]) -> bytes:
                 axis.plot(minutes, f.percentile(50), color=colour[name], label=f"{NAMES[name]}: median")
                 axis.plot(minutes, f.percentile(95), color=colour[name], ls="--", lw=1, label="95th percentile")
             axis.axhline(MOST, color=GREY, lw=1)
-            axis.annotate("0.5 n.mi.", (30.0, MOST), ha="right", va="bottom", color=GREY)
+            axis.annotate("0.5 nmi", (30.0, MOST), ha="right", va="bottom", color=GREY)
             axis.set_xlim(0.0, 30.0)
             axis.set_ylim(0.0, None)
             axis.set_xlabel("time since GPS was lost, min")

@@ -118,7 +118,7 @@ class Flown:
             [[n, u, c, *(f"{v:.3g}" for v in rest)] for n, u, c, *rest in imported.residual_table()],
         )
         page.table(
-            ["station", "name", "range, n.mi.", "usable, % of the flight"],
+            ["station", "name", "range, nmi", "usable, % of the flight"],
             [[s.ident, s.name, f"{s.range:.0f}", f"{100 * share:.0f}"] for s, share in self.usable.shares(self.chosen)],
         )
         page.picture(_picture(self), f"{self.name}: track, usable stations, HDOP and error")

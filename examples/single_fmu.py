@@ -34,4 +34,4 @@ last = 0
 for row in result:
     if row["ranging.sequence"] != last:
         last = row["ranging.sequence"]
-        print(f"t = {row['time']:5.1f} s  " + "  ".join(f"{row[name] / 1852.0:7.3f} n.mi." for name in ranges))
+        print(f"t = {row['time']:5.1f} s  " + "  ".join(f"{row[name] / 1852.0:7.3f} nmi" for name in ranges))

@@ -9,7 +9,7 @@ import click
 @click.argument("file", type=click.Path())
 @click.option("--out", required=True, type=click.Path(dir_okay=False), help="The FMU to write.")
 @click.option("--name", help="Name of the model; by default that of the file.")
-@click.option("--minimum-speed", default=60.0, show_default=True, help="Ground speed above which it flies, in kt.")
+@click.option("--minimum-speed", default=60.0, show_default=True, help="Ground speed above which it flies, in kn.")
 @click.option("--skip-incomplete", is_flag=True, help="Leave out rows that lack time, position or altitude.")
 @click.option("--picture", type=click.Path(dir_okay=False), help="Also draw track and residuals into this PNG file.")
 def command(file, out, name, minimum_speed, skip_incomplete, picture):
@@ -28,7 +28,7 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     from navfmu.terminal.progress import Progress
 
     if not 0 < minimum_speed < float("inf"):
-        raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kt; expected a positive number")
+        raise NavfmuError(f"--minimum-speed is {minimum_speed:g} kn; expected a positive number")
     check_file(out, ".fmu")
     if picture is not None:
         check_file(picture, ".png")

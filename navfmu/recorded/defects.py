@@ -88,7 +88,7 @@ def airborne_part(recording: Recording, minimum_speed: float) -> Recording:
     fast = ground_speed(recording) >= minimum_speed
     if not fast.any():
         raise NavfmuError(
-            f"{recording.name}: the track never reaches {minimum_speed / KNOT:.0f} kt over ground, so all of it was "
+            f"{recording.name}: the track never reaches {minimum_speed / KNOT:.0f} kn over ground, so all of it was "
             "taken to be on the ground; lower --minimum-speed for a slower aircraft"
         )
     at = np.flatnonzero(fast)

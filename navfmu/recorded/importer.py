@@ -43,7 +43,7 @@ class Imported:
             ("across track", "m", r.cross),
             ("time of position", "s", r.timing),
             ("altitude", "ft", r.altitude / FOOT),
-            ("ground speed", "kt", r.speed / KNOT),
+            ("ground speed", "kn", r.speed / KNOT),
             ("track angle", "deg", np.degrees(r.track)),
             ("vertical rate", "ft/min", r.climb / FOOT * 60.0),
         )

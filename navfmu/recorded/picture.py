@@ -47,7 +47,7 @@ def draw(imported: Imported, path: str | Path) -> None:
     if recording.speed is not None:
         speeds.plot(rows, recording.speed / KNOT, ".", ms=2, c="grey")
     speeds.plot(minutes, speed / KNOT, lw=0.7)
-    speeds.set(title="ground speed (dots: recorded, line: smoothed)", ylabel="kt")
+    speeds.set(title="ground speed (dots: recorded, line: smoothed)", ylabel="kn")
     along.plot(rows, residuals.along, ".", ms=2)
     along.set(title="along track, recorded minus smoothed", ylabel="m")
     turn.plot(minutes, np.degrees(np.arctan2(speed * course_rate, 9.80665)), lw=0.6)

@@ -13,7 +13,7 @@ from navfmu.report.page import Page
 from navfmu.report.repeat import section
 from navfmu.report.rows import as_csv
 from navfmu.sweep.recommendation import findings, recommendation
-from navfmu.sweep.result import ALGORITHMS, Sweep
+from navfmu.sweep.result import ALGORITHMS, Row, Sweep
 from navfmu.system.results_folder import check_results
 
 SHOWN = 6  # signals in the picture
@@ -78,19 +78,24 @@ def _number(value: float) -> float | None:
 
 
 def picture(result: Sweep) -> bytes:
-    """rms error over step size, log-log: one line for each signal, one panel for each algorithm."""
+    """rms error over step size, log-log: one line for each signal, one panel for each algorithm.
+
+    Each is thinner than the one before: where two are the same, both are seen.
+    """
     drawn, _ = _drawn(result)
     with figure(1, 2, size=(10.5, 5.2), below=0.7, sharex=True, sharey=True) as (drawing, axes):
         for axis, algorithm in zip(axes, ALGORITHMS, strict=True):
-            for colour, signal in zip(COLOURS, drawn, strict=False):
-                rows = [row for row in result.of(algorithm, signal) if row.counts and row.span > 0]
+            for number, (colour, signal) in enumerate(zip(COLOURS, drawn, strict=False)):
+                rows = _points(result, algorithm, signal)
                 if not rows:
                     continue
                 order = result.order(algorithm, signal)
                 label = signal if order is None else f"{signal}  ({order.value:.1f})"
-                axis.loglog([r.step for r in rows], [100 * r.relative for r in rows], "o-", color=colour, label=label)
+                size = {"markersize": 10.0 - number, "linewidth": 3.5 - 0.5 * number}
+                errors = [100 * row.relative for row in rows]
+                axis.loglog([row.step for row in rows], errors, "o-", color=colour, label=label, **size)
             axis.axhline(100 * result.tolerance, color=GREY, linestyle="--", linewidth=1)
-            axis.set_title(algorithm.replace("_", "-").title() + "  (order of the error in brackets)")
+            axis.set_title(_title(algorithm) + "  (order of the error in brackets)")
             axis.set_xlabel("communication step, s")
             if axis.get_legend_handles_labels()[0]:
                 axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
@@ -105,12 +110,19 @@ def picture(result: Sweep) -> bytes:
         return png(drawing)
 
 
+def _points(result: Sweep, algorithm: str, signal: str) -> list[Row]:
+    """The errors of a signal that have a place on a logarithmic axis."""
+    return [row for row in result.of(algorithm, signal) if row.counts and row.span > 0]
+
+
+def _title(algorithm: str) -> str:
+    return algorithm.replace("_", "-").title()
+
+
 def _drawn(result: Sweep) -> tuple[list[str], int]:
     """The signals in the picture, the greatest relative error first; and how many have an error to draw."""
     sizes = {
-        signal: max(
-            (row.relative for row in result.rows if row.signal == signal and row.counts and row.span > 0), default=0.0
-        )
+        signal: max((row.relative for a in ALGORITHMS for row in _points(result, a, signal)), default=0.0)
         for signal in result.signals
     }
     ordered = sorted((signal for signal, size in sizes.items() if size > 0.0), key=lambda s: sizes[s], reverse=True)
@@ -123,7 +135,11 @@ def caption(result: Sweep) -> str:
     if not drawn:
         return "No signal has an error that can be drawn."
     which = "all signals with an error" if len(drawn) == count else f"the {len(drawn)} of {count} signals that err most"
-    return f"Each line is a signal, its slope is the order of the error; {which} are drawn."
+    told = f"Each line is a signal, its slope is the order of the error; {which} are drawn."
+    for algorithm in ALGORITHMS:
+        missing = [signal for signal in drawn if not _points(result, algorithm, signal)]
+        told += f" {_title(algorithm)} has no error to draw in {', '.join(missing)}." if missing else ""
+    return told
 
 
 def page(result: Sweep, image: bytes) -> Page:

@@ -97,7 +97,7 @@ def test_headline_holds_on_flights_as_claimed():
     section = headline.section(all_flights(), HDOP, range(1, 21))
     assert all(claim.holds for claim in section.claims)
     assert headline.titles(section.claims) == (
-        "Dead reckoning drifts away, DME ranges bound it", "With any receiver 95 % stay within 0.5 n.mi."
+        "Dead reckoning drifts away, DME ranges bound it", "With any receiver 95 % stay within 0.5 nmi"
     )  # fmt: skip
 
 
@@ -105,13 +105,13 @@ def test_headline_holds_on_flights_as_claimed():
     ("changed", "titles", "sentence"),
     [
         ({"open_loop": flights(500.0)},
-         ("Dead reckoning stays near, DME ranges bound it", "With any receiver 95 % stay within 0.5 n.mi."),
-         "Half of the flights on dead reckoning alone end within 0.5 n.mi."),
+         ("Dead reckoning stays near, DME ranges bound it", "With any receiver 95 % stay within 0.5 nmi"),
+         "Half of the flights on dead reckoning alone end within 0.5 nmi"),
         ({"main": flights(2000.0)},
-         ("Dead reckoning drifts away, DME ranges do not bound it", "95 % do not always stay within 0.5 n.mi."),
-         "Not at every time 95 % of the flights are within 0.5 n.mi., one receiver, intermittent"),
+         ("Dead reckoning drifts away, DME ranges do not bound it", "95 % do not always stay within 0.5 nmi"),
+         "Not at every time 95 % of the flights are within 0.5 nmi, one receiver, intermittent"),
         ({name: flights(np.nan) for name in headline.RECEIVERS},
-         ("Dead reckoning drifts away, DME ranges do not bound it", "95 % do not stay within 0.5 n.mi."),
+         ("Dead reckoning drifts away, DME ranges do not bound it", "95 % do not stay within 0.5 nmi"),
          "Not at every time half of the flights are within 500 m, scanning receiver"),
         ({"scanning": flights(400.0, sigma=10.0)}, None,
          "Not every flight is inside its filter's own 3 sigma for 95 % of the time, scanning receiver"),

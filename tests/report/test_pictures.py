@@ -152,7 +152,7 @@ def test_distances_are_true_over_the_date_line_and_the_poles(latitude, longitude
     east, north = map.Ground(*(p := along(latitude * DEGREE, longitude * DEGREE, heading * DEGREE, metres))).local(*p)
     steps = np.hypot(np.diff(east), np.diff(north)) * map.NAUTICAL_MILE
     assert steps == pytest.approx(500.0, rel=1e-3)  # no jump, no stretch
-    assert np.hypot(east[0], north[0]) == pytest.approx(27.0, rel=1e-2)  # n.mi., the middle of the track is the origin
+    assert np.hypot(east[0], north[0]) == pytest.approx(27.0, rel=1e-2)  # nmi, the middle of the track is the origin
 
 
 def test_east_and_north_are_where_they_belong():
@@ -174,7 +174,7 @@ def test_the_map_says_how_far_off_the_estimate_is_and_what_is_missing(drawing):
     found = latitude + np.where(TIME < 50, 1.0, 1e-4)
     found[60:63] = np.nan
     title = draw_map(latitude, longitude, found, entry={"valid": "b.v"}).title
-    assert f"estimate up to {1e-4 * map.EARTH / 1852:.3g} n.mi. off" in title  # the far points are not valid
+    assert f"estimate up to {1e-4 * map.EARTH / 1852:.3g} nmi off" in title  # the far points are not valid
     assert "ESTIMATE NOT FINITE AT 3 OF 49 POINTS" in title
     assert len(legend(drawing[0].axes[0])) == 3
 

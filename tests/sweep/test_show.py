@@ -14,6 +14,7 @@ from navfmu import System
 from navfmu.cli.main import main
 from navfmu.export import Component, Output, Parameter, every
 from navfmu.export.build import build
+from navfmu.sweep import report
 from navfmu.sweep.report import caption, page, picture, table, write_report
 from navfmu.sweep.result import Row
 from navfmu.sweep.show import show
@@ -52,10 +53,10 @@ def test_every_number_is_whole_at_every_width(result, width, monkeypatch, capsys
 def test_the_report_names_what_cannot_be_compared(tmp_path):
     problem = "is not finite at 2 of 3 points"
     result = made([0.0, 0.05, problem], idle=("gps.fix.latitude",), not_real=("navigator.mode",), notes=("a note",))
-    report = write_report(result, tmp_path).read_text()
-    assert f"a.y {problem} (gauss_seidel, 0.4 s)" in report and "gps.fix.latitude" in report and "a note" in report
-    assert "because not Real: navigator.mode." in report
-    assert report.count(problem) >= 3  # recommendation, list, table
+    told = write_report(result, tmp_path).read_text()
+    assert f"a.y {problem} (gauss_seidel, 0.4 s)" in told and "gps.fix.latitude" in told and "a note" in told
+    assert "because not Real: navigator.mode." in told
+    assert told.count(problem) >= 3  # recommendation, list, table
     about = json.loads((tmp_path / "sweep.json").read_text(), parse_constant=pytest.fail)
     assert about["errors"][2]["rms_error"] is None and about["errors"][2]["problem"] == problem
     rows = pandas.read_csv(tmp_path / "sweep.csv")
@@ -74,6 +75,23 @@ def test_the_caption_counts_what_is_drawn():
     rows = [Row(r.algorithm, r.step, f"a.y[{i}]", r.unit, r.rms, r.largest, r.span) for i in range(9) for r in one.rows]
     many = one.__class__(**{**vars(one), "rows": tuple(rows)})
     assert "the 6 of 9 signals that err most are drawn" in caption(many)
+
+
+def test_the_caption_says_which_panel_leaves_a_signal_out():
+    assert "Gauss-Seidel has no error to draw in a.y." in caption(made([0.0] * 3, CLEAN))
+    assert "no error to draw" not in caption(made())
+
+
+def test_signals_with_the_same_errors_are_all_seen(monkeypatch):
+    """The single points of two signals lay on each other; the legend named one that nobody could see."""
+    one = made([0.0, 0.02], steps=(0.1, 0.2), jacobi=[0.0, 0.0])
+    rows = [Row(r.algorithm, r.step, f"a.y[{i}]", r.unit, r.rms, r.largest, r.span) for i in range(6) for r in one.rows]
+    seen = []
+    monkeypatch.setattr(report, "png", lambda drawing: seen.extend(drawing.axes[0].get_lines()) or b"")
+    picture(one.__class__(**{**vars(one), "rows": tuple(rows)}))
+    points = [line for line in seen if line.get_marker() == "o"]
+    assert len(points) == 6 and len({line.get_markersize() for line in points}) == 6
+    assert sorted(points, key=lambda line: -line.get_markersize()) == points  # the smaller above the greater
 
 
 def test_a_picture_without_errors_says_so():

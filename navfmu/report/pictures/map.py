@@ -85,8 +85,8 @@ class Picture(Base):
             axis.set_aspect("equal", adjustable="datalim")
             heading, seen = scene.titled(", ".join(filter(None, ["ground track", run.name]))), ", ".join(sentences)
             title(drawing, axis, f"{heading}\n{seen}")
-            axis.set_xlabel(f"east of {ground.meridian}, n.mi.")
-            axis.set_ylabel(f"north of {ground.parallel}, n.mi.")
+            axis.set_xlabel(f"east of {ground.meridian}, nmi")
+            axis.set_ylabel(f"north of {ground.parallel}, nmi")
             axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=5)
             caption = (
                 f"Truth{' and estimate' if self.estimate else ''}; distances and directions from the middle are true."
@@ -106,7 +106,7 @@ class Picture(Base):
         away = distance(places, [run[name] * RADIANS[scene.unit(name)] for name in self.truth])[known]
         missing = remark([away])
         away = away[np.isfinite(away)]
-        found = [f"estimate up to {away.max():.3g} n.mi. off"] if away.size else []
+        found = [f"estimate up to {away.max():.3g} nmi off"] if away.size else []
         return found + ([f"ESTIMATE {missing.upper()}"] if missing else [])
 
 
