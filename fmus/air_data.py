@@ -21,7 +21,7 @@ class AirData(Component):
         V   = a sqrt(5 ((1 + q_c(V_i)/p)^(2/7) - 1))              true airspeed with the measured temperature
         h   = h_p + dh                                            (3.34), p. 65
 
-    dV and dh are first-order Gauss-Markov: 2.6 m/s (5 kt), 400 s (3.32)-(3.33); 23 m (75 ft), 400 s (3.34). They
+    dV and dh are first-order Gauss-Markov: 2.6 m/s (5 kn), 400 s (3.32)-(3.33); 23 m (75 ft), 400 s (3.34). They
     start in their stationary distributions. dV_w is white, zero in the thesis (1 m/s in its source).
 
     A blocked port keeps the pressure it had; one that is blocked before the first sample keeps that of the first
@@ -49,7 +49,7 @@ class AirData(Component):
         start=2.6,
         min=0.0,
         display_unit="kn",
-        description="standard deviation of the airspeed error, thesis (3.32): 2.6 m/s (5 kt)",
+        description="standard deviation of the airspeed error, thesis (3.32): 2.6 m/s (5 kn)",
     )
     airspeed_error_time = Parameter(
         "s", start=400.0, min=1.0, description="correlation time of the airspeed error, thesis (3.32): 400 s"

@@ -55,7 +55,7 @@ class Aircraft(Component):
     starts at zero and is limited to 60 degrees.
 
     The start values are a flight of 35 minutes in the manner of thesis section 7.3 (p. 215): 360-degree turns around a
-    point 16 n.mi. east and 6 n.mi. north of Livermore airport, then straight in to runway 25L at 90 kt.
+    point 16 nmi east and 6 nmi north of Livermore airport, then straight in to runway 25L at 90 kn.
     """
 
     name = "aircraft"
@@ -102,7 +102,7 @@ class Aircraft(Component):
         min=5.0,
         max=350.0,
         display_unit="kn",
-        description="speed over ground at t = 0; thesis section 5.5.2: 90 kt",
+        description="speed over ground at t = 0; thesis section 5.5.2: 90 kn",
     )
     segment_duration = Parameter(
         SEGMENTS,

@@ -18,11 +18,11 @@ class Dme(stations.StationTable, Component):
 
         R_m = R + dR_b + dR_w                                                            (3.38)
 
-    R: straight distance on the WGS-84 ellipsoid. dR_b: first-order Gauss-Markov bias of 0.17 n.mi. with the correlation
-    time tau_r = 0.5 n.mi. / V, V the ground speed; one for each station, advanced on its own clock (`bias_period`), so
+    R: straight distance on the WGS-84 ellipsoid. dR_b: first-order Gauss-Markov bias of 0.17 nmi with the correlation
+    time tau_r = 0.5 nmi / V, V the ground speed; one for each station, advanced on its own clock (`bias_period`), so
     that it does not depend on when ranges are measured; it starts from its stationary distribution. dR_w: white noise
-    of 0.004 n.mi., fresh for each reading. (Table 6.1 of the thesis prints 5 miles / V; the text and (3.38) have 0.5
-    n.mi.)
+    of 0.004 nmi, fresh for each reading. (Table 6.1 of the thesis prints 5 miles / V; the text and (3.38) have 0.5
+    nmi)
 
     Schedule (Fig 2.10, section 7.2.2), by `mode`:
 
@@ -42,7 +42,7 @@ class Dme(stations.StationTable, Component):
     """
 
     example = Example(
-        text="Level flight to the west at 90 kt with one receiver. It measures the two stations in turn, one every "
+        text="Level flight to the west at 90 kn with one receiver. It measures the two stations in turn, one every "
         "15 s, and the bundle holds the last range of each, so between measurements the ranges (steps) stay behind the "
         "truth (dashed). The error of each measurement is the bias, 315 m (1 sigma), forgotten within 20 s.",
         duration=300.0,
@@ -108,24 +108,24 @@ class Dme(stations.StationTable, Component):
         start=dme.BIAS_SIGMA,
         min=0.0,
         display_unit="nmi",
-        description="standard deviation of the time-varying bias: 0.17 n.mi. (thesis (3.38), p. 72)",
+        description="standard deviation of the time-varying bias: 0.17 nmi (thesis (3.38), p. 72)",
     )
     correlation_distance = Parameter(
         "m",
         start=dme.CORRELATION_DISTANCE,
         min=1.0,
         display_unit="nmi",
-        description="distance over which the bias is correlated: 0.5 n.mi. (thesis (3.38), p. 72)",
+        description="distance over which the bias is correlated: 0.5 nmi (thesis (3.38), p. 72)",
     )
     lowest_speed = Parameter(
-        "m/s", start=5.0, min=0.1, description="least ground speed used in the correlation time 0.5 n.mi. / V"
+        "m/s", start=5.0, min=0.1, description="least ground speed used in the correlation time 0.5 nmi / V"
     )
     noise_sigma = Parameter(
         "m",
         start=dme.NOISE_SIGMA,
         min=0.0,
         display_unit="nmi",
-        description="standard deviation of the wide-band noise: 0.004 n.mi. (thesis Fig 3.13, (3.38))",
+        description="standard deviation of the wide-band noise: 0.004 nmi (thesis Fig 3.13, (3.38))",
     )
     bias_period = Parameter("s", start=0.5, min=0.001, max=10.0, description="time step of the biases, own clock")
 

@@ -15,7 +15,7 @@ class Evaluation(Component):
     Errors are estimate minus truth of the same moment, as a pilot would see them: a solution that arrives late is
     wrong by the way flown since. `consistent` says that north and east error are both within three of the filter's own
     standard deviations. Everything that counts or accumulates does so while the navigator coasts without GPS (`mode`
-    2), every `update_period`; `limit` is the requirement of 0.5 n.mi. (thesis section 1.4, 7.3).
+    2), every `update_period`; `limit` is the requirement of 0.5 nmi (thesis section 1.4, 7.3).
     """
 
     example = Example(
@@ -57,7 +57,7 @@ class Evaluation(Component):
         start=evaluation.HALF_NAUTICAL_MILE,
         min=0.0,
         display_unit="nmi",
-        description="required horizontal accuracy, 0.5 n.mi. (thesis section 7.3)",
+        description="required horizontal accuracy, 0.5 nmi (thesis section 7.3)",
     )
 
     north_error = Output("m", description="estimated minus true north position")

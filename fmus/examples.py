@@ -13,7 +13,7 @@ from fmus import stations
 from models import attitude, dme, earth, evaluation, magnetic_field, navigator
 
 SPEED = 46.3
-"""90 kt in m/s."""
+"""90 kn in m/s."""
 HERE = (0.659, -2.117, 1500.0)
 """East of Livermore, where the lines to the stations cross well: latitude, longitude (rad) and altitude (m)."""
 DEG = np.pi / 180.0
@@ -76,7 +76,7 @@ def ahrs_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.nda
 
 
 def _flight(time: np.ndarray) -> dict[str, np.ndarray]:
-    """Level flight to the west at 90 kt over ground."""
+    """Level flight to the west at 90 kn over ground."""
     east_west = earth.radii(HERE[0])[1]
     longitude = HERE[1] - SPEED * time / ((east_west + HERE[2]) * np.cos(HERE[0]))
     return {

@@ -22,7 +22,7 @@ LIVERMORE_ALTITUDE = 400.0 * FOOT
 def livermore() -> FlightPlan:
     """35 minutes in the manner of thesis section 7.3 (p. 215): 360-degree turns, then straight in to Livermore 25L.
 
-    The turns are flown around a point 16 n.mi. east and 6 n.mi. north of the airport between 6000 and 4500 ft, the
+    The turns are flown around a point 16 nmi east and 6 nmi north of the airport between 6000 and 4500 ft, the
     first 5 minutes are meant for the calibration with GPS. Then south-west to the extended centre line and down.
     """
     v = APPROACH_SPEED
@@ -63,7 +63,7 @@ def livermore() -> FlightPlan:
 
 
 def straight_in() -> FlightPlan:
-    """Thesis section 7.2 (p. 204): 50 n.mi. out at 6000 ft, down to 800 ft at 2 n.mi., then level to the airport."""
+    """Thesis section 7.2 (p. 204): 50 nmi out at 6000 ft, down to 800 ft at 2 nmi, then level to the airport."""
     v = APPROACH_SPEED
     descent = 48.0 * NAUTICAL_MILE / v
     sink = 5200.0 * FOOT / descent
@@ -73,7 +73,7 @@ def straight_in() -> FlightPlan:
 
 
 def cruise_north() -> FlightPlan:
-    """Thesis section 5.5.2 (p. 173): north at 90 kt and 2000 ft, wings level, for half an hour."""
+    """Thesis section 5.5.2 (p. 173): north at 90 kn and 2000 ft, wings level, for half an hour."""
     v = APPROACH_SPEED
     return FlightPlan(np.radians(37.0), np.radians(-121.8), 2000.0 * FOOT, 0.0, v, (straight(1800.0, v),))
 

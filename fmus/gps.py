@@ -22,7 +22,7 @@ class Gps(Component):
     """
 
     example = Example(
-        text="Level flight to the west at 90 kt, jammed from 40 s on (dotted): `valid` falls to 0, the values are "
+        text="Level flight to the west at 90 kn, jammed from 40 s on (dotted): `valid` falls to 0, the values are "
         "held. Before that a fix comes each second, with errors that are independent from one to the next.",
         step=0.5,
         mark=examples.JAMMED,

@@ -34,10 +34,10 @@ class Navigator(stations.StationTable, Component):
     The same filter runs through both: there is no switch-over, hence no step at the switch.
 
     *Measurement noise: a correction of the thesis.* (6.40) has the wide-band noise of 7.4 m alone; the bias of 315 m,
-    which lives for 20 s at 90 kt, is left out. The filter then claims 10 m and is hundreds of metres wrong
+    which lives for 20 s at 90 kn, is left out. The filter then claims 10 m and is hundreds of metres wrong
     (`range_noise_model` 2). Here (`range_noise_model` 1) a range counts as
 
-        R = sigma_b^2 (1 + rho) / (1 - rho) + sigma_w^2,  rho = exp(-dt / tau_r),  tau_r = 0.5 n.mi. / V,
+        R = sigma_b^2 (1 + rho) / (1 - rho) + sigma_w^2,  rho = exp(-dt / tau_r),  tau_r = 0.5 nmi / V,
 
     dt since the same station was last used: the independent measurement of the same information. It tends to sigma_b^2
     where ranges are rare and to sigma_b^2 2 tau_r / dt where they are frequent.
@@ -57,7 +57,7 @@ class Navigator(stations.StationTable, Component):
     """
 
     example = Example(
-        text="Level flight to the west at 90 kt in a wind of 15 kn, with heading wrong by 1 degree and airspeed by "
+        text="Level flight to the west at 90 kn in a wind of 15 kn, with heading wrong by 1 degree and airspeed by "
         "2 m/s. GPS is lost at 300 s (dotted). While there is GPS the position is good to metres and the wind "
         "is learned (together with what heading and airspeed are wrong by). Then one DME range every 15 s, each "
         "wrong by some 315 m, keeps the error inside three sigma (dashed).",
@@ -159,21 +159,21 @@ class Navigator(stations.StationTable, Component):
         start=dme.BIAS_SIGMA,
         min=0.0,
         display_unit="nmi",
-        description="standard deviation of the bias of DME ranges: 0.17 n.mi. (thesis (3.38), p. 72)",
+        description="standard deviation of the bias of DME ranges: 0.17 nmi (thesis (3.38), p. 72)",
     )
     correlation_distance = Parameter(
         "m",
         start=dme.CORRELATION_DISTANCE,
         min=1.0,
         display_unit="nmi",
-        description="distance over which that bias is correlated: 0.5 n.mi. (thesis (3.38))",
+        description="distance over which that bias is correlated: 0.5 nmi (thesis (3.38))",
     )
     noise_sigma = Parameter(
         "m",
         start=dme.NOISE_SIGMA,
         min=1.0e-3,
         display_unit="nmi",
-        description="standard deviation of the wide-band noise of DME ranges: 0.004 n.mi. (thesis (3.38), (6.40))",
+        description="standard deviation of the wide-band noise of DME ranges: 0.004 nmi (thesis (3.38), (6.40))",
     )
     innovation_gate = Parameter(
         "1",

@@ -18,7 +18,7 @@ NAUTICAL_MILE = 1852.0
 PLACES = 5
 """Stations a receiver and a navigator can hold."""
 UNLIMITED = 130.0
-"""Service range of the high-altitude stations, n.mi."""
+"""Service range of the high-altitude stations, nmi."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Station:
     longitude: float  # deg
     elevation: float  # ft; mean sea level and the ellipsoid are taken as one
     frequency: float | None = None  # MHz of the paired VOR or ILS channel
-    range: float = UNLIMITED  # service range, n.mi.
+    range: float = UNLIMITED  # service range, nmi
 
 
 @dataclass(frozen=True)

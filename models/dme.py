@@ -14,7 +14,7 @@ NAUTICAL_MILE = 1852.0
 BIAS_SIGMA = 0.17 * NAUTICAL_MILE
 """Standard deviation of the time-varying bias, m, thesis (3.38), p. 72."""
 CORRELATION_DISTANCE = 0.5 * NAUTICAL_MILE
-"""Distance over which the bias is correlated, m; tau_r = 0.5 n.mi. / V (Table 6.1 misprints 5 miles)."""
+"""Distance over which the bias is correlated, m; tau_r = 0.5 nmi / V (Table 6.1 misprints 5 miles)."""
 NOISE_SIGMA = 0.004 * NAUTICAL_MILE
 """Standard deviation of the wide-band noise, m, thesis Fig 3.13 and (3.38)."""
 LOCK_IN = 4.0
@@ -51,7 +51,7 @@ def horizon(altitude, station_altitude, antenna_height):
 
 
 def correlation_time(velocity_n, lowest_speed, distance=CORRELATION_DISTANCE):
-    """tau_r = 0.5 n.mi. / V in s, thesis (3.38); V is the ground speed, at least ``lowest_speed`` (m/s)."""
+    """tau_r = 0.5 nmi / V in s, thesis (3.38); V is the ground speed, at least ``lowest_speed`` (m/s)."""
     speed = np.sqrt(velocity_n[0] * velocity_n[0] + velocity_n[1] * velocity_n[1])
     return distance / np.maximum(speed, lowest_speed)
 

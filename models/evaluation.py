@@ -7,7 +7,7 @@ import numpy as np
 from models import earth
 
 HALF_NAUTICAL_MILE = 926.0
-"""Required accuracy of the backup navigator, m: 0.5 n.mi. after 30 minutes, thesis section 1.4 and 7.3."""
+"""Required accuracy of the backup navigator, m: 0.5 nmi after 30 minutes, thesis section 1.4 and 7.3."""
 
 
 def position_error(latitude, longitude, altitude, estimated_latitude, estimated_longitude):

@@ -1,7 +1,7 @@
 """A quick model of the backup navigator for many seeds at once, on a plane, with the filter's own functions.
 
 Sensors are what the thesis's error models say and nothing else (no AHRS, no pitot tube): heading a Gauss-Markov
-process of 2.5 degrees and 120 s (3.84), airspeed 2.6 m/s and 400 s, wind 5 m/s and 400 s, DME 315 m and 0.5 n.mi. with
+process of 2.5 degrees and 120 s (3.84), airspeed 2.6 m/s and 400 s, wind 5 m/s and 400 s, DME 315 m and 0.5 nmi with
 7.4 m.
 """
 

@@ -53,7 +53,7 @@ def test_impact_pressure_tends_to_the_incompressible_form_of_the_thesis():
 
 
 def test_calibrated_airspeed_has_the_published_value():
-    """Mach 0.8 at the tropopause: impact pressure ratio 0.52434 (isentropic tables), calibrated airspeed 265 kt."""
+    """Mach 0.8 at the tropopause: impact pressure ratio 0.52434 (isentropic tables), calibrated airspeed 265 kn."""
     assert air_data.impact_ratio(0.8) == pytest.approx(0.52434, abs=1e-5)
     static = atmosphere.pressure(11000.0)
     calibrated = air_data.calibrated_airspeed(static, static * 1.52434)
