@@ -525,7 +525,7 @@ def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
 
 @contextmanager
 def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
-    making = ("array", "asarray", "asanyarray", "ascontiguousarray", "full")
+    making = ("array", "asarray", "asanyarray", "ascontiguousarray", "full", "full_like")
     originals = {name: getattr(np, name) for name in (*making, *_REDUCING)}
     by_name = [
         (module, alias, name)
@@ -552,6 +552,11 @@ def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
             return np.broadcast_to(np.array(fill_value, *args, **kwargs), shape).copy()
         return originals["full"](shape, fill_value, *args, **kwargs)
 
+    def full_like(a: Any, fill_value: Any, dtype: Any = None, **kwargs: Any) -> Any:
+        if contains_traced(fill_value) and not contains_traced(a):
+            return full(np.shape(a), fill_value, dtype or originals["asarray"](a).dtype)
+        return originals["full_like"](a, fill_value, dtype, **kwargs)
+
     def reducing(name: str) -> Callable:
         def function(a: Any, *args: Any, **kwargs: Any) -> Any:
             listed = isinstance(a, list | tuple) and contains_traced(a)
@@ -561,7 +566,8 @@ def _traced_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
 
     try:
         for name in originals:
-            setattr(np, name, full if name == "full" else (reducing if name in _REDUCING else replaced)(name))
+            own = {"full": full, "full_like": full_like}.get(name)
+            setattr(np, name, own or (reducing if name in _REDUCING else replaced)(name))
         for module, alias, name in by_name:
             setattr(module, alias, getattr(np, name))
         yield
