@@ -59,7 +59,8 @@ np.atleast_1d({s}); np.atleast_2d({v}); np.atleast_3d({v}); np.take({v}, [2, 0])
 {v}[::-1]
 {m}[:, 0]; {v}[[0, 3]]; {v}[np.array([True, False, True, True])]; np.split({v}, 2)[1]; np.array_split({v}, 3)[0]
 np.hsplit({m}, 2)[0]; np.vsplit({m}, 2)[1]; np.shape({m}) + {s}; np.ndim({m}) * {s}; np.size({v}) - {s}
-np.zeros_like({n}) + {n}; np.ones_like({n}) * {n}; np.full_like({v}, {s}); np.full_like([1, 2], {s}); -np.zeros_like({n})
+np.zeros_like({n}) + {n}; np.ones_like({n}) * {n}; np.full_like({v}, {s}); -np.zeros_like({n})
+np.full_like([1, 2], {s})
 """
 #: Which of two zeros NumPy chooses is not specified, and differs between scalars and arrays.
 _ANY_ZERO = """

@@ -46,7 +46,7 @@ def test_the_same_seed_draws_the_same_expressions():
 @pytest.mark.parametrize("ufunc, wrong", [(np.maximum, np.fmax), (np.floor, np.ceil), (np.exp, np.expm1)])
 def test_a_rule_that_is_wrong_is_found_and_shown_as_source(ufunc, wrong, monkeypatch):
     monkeypatch.setitem(trace.RULES, ufunc, trace.RULES[wrong])
-    found = expressions.check(150, SEED)
+    found = expressions.check(300, SEED)
     assert found.differences
     one = next(text for text in found.differences if f"np.{ufunc.__name__}(" in text.partition("\nwith\n")[0])
     source, _, told = one.partition("\nwith\n")
