@@ -40,8 +40,11 @@ def command(system: str, out: str | None, report: str | None, expect: str | None
     tell(frame.attrs["notes"])
     if target is not None:
         result.write(frame, target)
+    report = None  # written before anything is printed: whoever reads that may close the pipe
+    if folder is not None:
+        report = write_report(frame, experiment, folder, loaded.signals(named) if named else ())
     from navfmu.cli.summary import summarise
 
     summarise(frame, loaded, out)
-    if folder is not None:
-        click.echo(f"report: {write_report(frame, experiment, folder, loaded.signals(named) if named else ())}")
+    if report is not None:
+        click.echo(f"report: {report}")

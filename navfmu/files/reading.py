@@ -57,15 +57,10 @@ def regular(path: str | Path, expected: str) -> Path:
     """The path, if it is that of a file with an end; ``expected`` ("a fault file") goes into the sentence if not."""
     if not str(path).strip():
         raise NavfmuError(f"the name of a file is empty; expected that of {expected}")
-    path = Path(path)
-    try:
-        path.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        raise NavfmuError(f"{path}: no such file; expected {expected}") from None
-    except (OSError, ValueError) as error:
-        raise unreadable(path, error) from None
-    found = what_is(path)
-    if found not in ("a file", None):
+    path, found = Path(path), what_is(path)
+    if found is None:
+        raise NavfmuError(f"{path}: no such file; expected {expected}")
+    if found != "a file":
         raise NavfmuError(f"{path}: is {found}, expected {expected}")
     return path
 

@@ -141,6 +141,19 @@ def test_sweep_writes_table_picture_and_report(tmp_path):
     assert "data:image/png;base64" in (tmp_path / "report.html").read_text()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="pipes")
+def test_a_report_is_there_whatever_becomes_of_the_table(tmp_path):
+    """Whoever reads the table may close the pipe at its first line, as ``head`` does."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "navfmu", "run", str(systems.tracker()), "--stop", "10", "--report", "r"]
+    try:
+        subprocess.run(command, cwd=tmp_path, stdout=writing, stderr=subprocess.DEVNULL)
+    finally:
+        os.close(writing)
+    assert (tmp_path / "r" / "report.html").stat().st_size > 500
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_interrupting_a_run_is_quiet_and_leaves_no_file(tmp_path):
     import signal

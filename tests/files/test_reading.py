@@ -41,7 +41,7 @@ def test_a_file_is_read_and_what_is_none_is_named(tmp_path, pipe, monkeypatch):
 def test_what_is_not_there_or_cannot_be_is_a_sentence(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_bytes(b"ab")
-    with pytest.raises(NavfmuError, match=r"no such file; expected a text|cannot be read: "):
+    with pytest.raises(NavfmuError, match=r"no such file; expected a text|cannot be reached: "):
         regular(name, "a text")
 
 
