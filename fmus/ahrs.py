@@ -6,11 +6,11 @@ import numpy as np
 
 from fmus import examples
 from models import ahrs, attitude, earth, kalman
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, start
 
 
 class Ahrs(Component):
-    """Attitude and heading reference: gyros, aided by accelerometers and a magnetometer.
+    """Attitude and heading reference: gyros, aided by accelerometers, airspeed and a magnetometer.
 
     Thesis section 4.12 with the filter of 4.11.1. With every IMU sample the Euler angles are advanced by the rates less
     their estimated biases,
@@ -18,22 +18,28 @@ class Ahrs(Component):
         d(roll, pitch, heading)/dt = f(roll, pitch) (p, q, r)                                (4.4), (4.45)
 
     by the trapezoidal rule over the time between the samples (row 2, column 3 of f is -sin(roll); (4.35), (4.45) print
-    -cos). Every `aiding_period` a Kalman filter with six states, errors of the angles and gyro biases (4.32), takes
+    -cos). Every `aiding_period` a Kalman filter with eleven states, errors of the angles, gyro biases, dip of the
+    field, hard iron and airspeed, takes
 
-    - roll and pitch from the mean specific force of the period (4.8), (4.9), while the aircraft flies straight, that
-      is the computed yaw rate (4.67) and roll rate are below `yaw_rate_limit`, and unaccelerated, within `force_limit`
-      of 1 g: output `aiding`;
-    - the direction of the magnetic field as a vector, always. In straight flight this is the levelled magnetic heading
-      plus `declination`. In turns it keeps all angles observable; the thesis switches it off together with the
-      accelerometers and lets the gyros run free, which with an automotive gyro (0.05 deg/s) loses degrees in each
-      360-degree turn.
+    - the mean specific force of the period, always, with what the airspeed V says about acceleration:
+      f_x = V' + g sin(pitch), f_y = V r - g sin(roll) cos(pitch);
+    - the direction of the magnetic field as a vector, always.
 
-    The direction of the field relative to the horizontal (its dip) is learned while the accelerometers aid.
+    *Noise of the tilt.* What the airspeed does not show is the change of the wind, slip and angle of attack. Their
+    level is learned from the innovations, roll and pitch apart: output `tilt_noise`. What does not fit the level raises
+    it; nothing is gated. Gates by yaw rate (4.67) and magnitude (thesis p. 150) see neither the accelerations of a real
+    straight flight nor those of a long turn's begin.
+
+    *Without air data* (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first
+    `airspeed`, its error grows to `blind_airspeed_sigma`, and the tilt has `blind_tilt_sigma`: all sigmas are wider.
+
+    *Hard iron and dip* are told apart from heading and tilt as the aircraft turns. What no measurement here can see,
+    because it stands still in the aircraft or in the chart, is added to the published sigmas: `declination_sigma`,
+    `level_sigma`.
 
     Covariance and gains are computed, P+ = Phi P Phi' + C_d (4.46), L = P H' (H P H' + R)^-1 (4.50, corrected); they
     are not scheduled. Phi has the derivatives by roll and pitch, which (4.34) sets to zero. Biases are random walks of
-    2 sigma^2 / tau. Parameters in the manner of Table 4.4; heading errors follow the magnetometer's calibration
-    residuals (thesis section 3.12: up to 2.5 degrees), smoothed by the gyros.
+    2 sigma^2 / tau.
 
     At the first aiding with field and specific force the angles are set from these; until then `attitude.valid` is
     false.
@@ -43,12 +49,12 @@ class Ahrs(Component):
     example = Example(
         {"sample_period": 0.05},
         text="A full circle at 3 deg/s in level flight (60 to 184 s), with gyros that are wrong by 0.15 deg/s in roll "
-        "and -0.1 deg/s in yaw. The angles follow the truth (dashed). In straight flight (`aiding` 1) the "
-        "accelerometers aid and the biases of the gyros are learned, in the turn (0) the magnetic field aids alone.",
+        "and -0.1 deg/s in yaw. The angles follow the truth (dashed), the biases of the gyros are learned. Sigmas "
+        "shrink as the noise of the tilt turns out to be small.",
         duration=300.0,
         step=0.05,
         inputs=examples.ahrs_inputs,
-        shows=("gyro_bias", "heading_sigma", "aiding"),
+        shows=("gyro_bias", "heading_sigma", "tilt_noise"),
         panels=examples.ahrs_panels,
     )
 
@@ -60,6 +66,8 @@ class Ahrs(Component):
     field = Bundle(
         field_b=Input(3, "T", display_unit="mG", description="magnetic field, body axes"), description="magnetic field"
     )
+
+    air = Bundle(true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"), description="air data")
 
     sample_period = Parameter(
         "s", start=0.01, min=1.0e-4, max=1.0, description="period at which new IMU samples are looked for and expected"
@@ -75,18 +83,19 @@ class Ahrs(Component):
         display_unit="deg",
         description="magnetic declination, east positive; 13 deg at Livermore (chart value)",
     )
-    yaw_rate_limit = Parameter(
-        "rad/s",
+    declination_sigma = Parameter(
+        "rad",
         start=np.radians(0.5),
         min=0.0,
-        display_unit="deg/s",
-        description="computed yaw rate above which accelerometers are not used (thesis (4.67), p. 149); also for roll",
+        display_unit="deg",
+        description="error of the declination along the flight and of the triad's mounting about the vertical",
     )
-    force_limit = Parameter(
-        "1",
-        start=0.05,
+    level_sigma = Parameter(
+        "rad",
+        start=np.radians(0.1),
         min=0.0,
-        description="departure of the specific force from 1 g above which it is not used (thesis p. 150: 1.05 g)",
+        display_unit="deg",
+        description="constant error of the level: null shift of the accelerometers over g, mounting",
     )
     gyro_noise = Parameter(
         "rad/s",
@@ -98,44 +107,107 @@ class Ahrs(Component):
     alpha = Parameter(
         "1", start=3.0, min=0.0, description="tuning factor on the gyro noise (thesis (4.39); Table 4.4 has 10)"
     )
+    gyro_scale_sigma = Parameter(
+        "1", start=0.005, min=0.0, description="standard deviation of the gyros' scale factor error"
+    )
+    gyro_null_shift_sigma = Parameter(
+        "rad/s", start=0.0, min=0.0, display_unit="deg/s", description="standard deviation of the gyros' null shift"
+    )
     gyro_drift_sigma = Parameter(
         "rad/s",
         start=np.radians(0.05),
         min=0.0,
         display_unit="deg/s",
-        description="standard deviation of the gyro drift and null shift (thesis Table 3.2, Table 4.4 sigma_w)",
+        description="standard deviation of the gyro drift (thesis Table 3.2, Table 4.4 sigma_w)",
     )
     gyro_drift_time = Parameter(
         "s", start=300.0, min=1.0, description="correlation time of the drift (thesis Table 3.2)"
     )
     tilt_sigma = Parameter(
         "rad",
-        start=np.radians(0.3),
+        start=np.radians(4.0),
         min=1.0e-6,
         display_unit="deg",
-        description="error of roll and pitch from accelerometers: noise, drift, small accelerations (own choice)",
+        description="error of roll and pitch from one mean specific force with air data, at first: the wind of (3.36), "
+        "5 m/s and 400 s, changes by 2.9 deg of g in 0.5 s",
     )
+    tilt_sigma_min = Parameter(
+        "rad",
+        start=np.radians(2.0),
+        min=1.0e-6,
+        display_unit="deg",
+        description="the least that is believed of it later on",
+    )
+    tilt_window = Parameter(
+        "s", start=30.0, min=0.001, description="time over which innovations are summed to learn the noise of the tilt"
+    )
+    tilt_time = Parameter(
+        "s", start=600.0, min=0.01, description="time constant with which the noise of the tilt is learned"
+    )
+    tilt_limit = Parameter(
+        "1", start=3.0, min=1.0, description="sigmas beyond which a sum of innovations raises the noise at once"
+    )
+    blind_tilt_sigma = Parameter(
+        "rad",
+        start=np.radians(20.0),
+        min=1.0e-6,
+        display_unit="deg",
+        description="tilt_sigma without air data: accelerations of 0.25 m/s2 for 15 s at a time",
+    )
+    airspeed = Parameter(
+        "m/s", start=60.0, min=0.0, display_unit="kn", description="airspeed that is assumed before there is air data"
+    )
+    airspeed_sigma = Parameter(
+        "m/s",
+        start=2.6,
+        min=0.0,
+        display_unit="kn",
+        description="standard deviation of the airspeed error (thesis (3.32))",
+    )
+    airspeed_time = Parameter(
+        "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
+    )
+    blind_airspeed_sigma = Parameter(
+        "m/s",
+        start=10.0,
+        min=0.0,
+        display_unit="kn",
+        description="airspeed_sigma without air data (own choice)",
+    )
+    air_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which air data are lost")
     field_sigma = Parameter(
         "1",
-        start=0.05,
+        start=0.02,
         min=1.0e-6,
-        description="error of each component of the direction of the field: 4 to 7 mG (thesis Fig 3.27), "
-        "widened because it depends on heading and so persists on each leg",
+        description="error of each component of the direction of a field sample: noise of 1 to 5 mG (thesis Table "
+        "3.3), soft iron",
     )
-    field_in_turns = Parameter(
-        kind="boolean",
-        start=True,
-        description="whether the field is used in turns too; false: gyros alone, as in thesis section 4.12",
+    hard_iron_sigma = Parameter(
+        "1",
+        start=0.01,
+        min=0.0,
+        description="hard iron of each axis over the strength of the field: 4 to 7 mG (thesis Fig 3.27) of 480",
     )
-    dip_time = Parameter(
-        "s", start=120.0, min=0.01, description="time constant with which the dip is learned (own choice)"
+    dip_sigma = Parameter(
+        "rad",
+        start=np.radians(10.0),
+        min=0.0,
+        display_unit="deg",
+        description="error of the first dip, which is read from field and specific force",
+    )
+    dip_walk = Parameter(
+        "rad",
+        start=np.radians(0.01),
+        min=0.0,
+        display_unit="deg",
+        description="random walk of the dip in one second: 0.6 deg in an hour (own choice)",
     )
     initial_sigma = Parameter(
         "rad",
-        start=np.radians(2.0),
+        start=np.radians(5.0),
         min=0.0,
         display_unit="deg",
-        description="error of the initial alignment in straight flight",
+        description="error of roll and pitch at the initial alignment",
     )
 
     attitude = Bundle(
@@ -143,120 +215,194 @@ class Ahrs(Component):
         pitch=Output("rad", display_unit="deg", description="pitch"),
         heading=Output("rad", display_unit="deg", description="true heading in [-pi, pi)"),
         yaw_rate=Output("rad/s", display_unit="deg/s", description="rate of heading"),
+        roll_sigma=Output("rad", display_unit="deg", description="standard deviation of roll"),
+        pitch_sigma=Output("rad", display_unit="deg", description="standard deviation of pitch"),
+        heading_sigma=Output("rad", display_unit="deg", description="standard deviation of heading"),
         description="attitude",
     )
-    aiding = Output(kind="boolean", description="accelerometers are in use: straight and unaccelerated flight")
     gyro_bias = Output(3, "rad/s", display_unit="deg/s", description="estimated null shift and drift of the gyros")
-    heading_sigma = Output("rad", display_unit="deg", description="standard deviation of heading by the filter")
+    hard_iron = Output(3, "1", description="estimated hard iron over the strength of the field, body axes")
+    dip = Output("rad", display_unit="deg", description="estimated dip of the field, positive down")
+    heading_sigma = Output("rad", display_unit="deg", description="standard deviation of heading, as in attitude")
+    tilt_noise = Output(
+        2, "rad", display_unit="deg", description="learned noise of roll and pitch from one mean specific force"
+    )
 
     angles = State(3, "rad", display_unit="deg", description="roll, pitch, heading")
-    covariance = State(21, "1", description="upper triangle of the filter's covariance, row by row; rad and rad/s")
+    sigmas = State(3, "rad", display_unit="deg", description="standard deviations of these")
+    covariance = State(66, "1", description="upper triangle of the filter's covariance, row by row; rad, rad/s, m/s")
     rate = State(3, "rad/s", description="last rate less bias")
+    force = State(3, "m/s2", start=(0, 0, -9.80665), description="last specific force")
     imu_time = State("s", description="time of validity of the last IMU sample")
-    turned = State("rad", description="change of heading since the last aiding")
-    rolled = State("rad", description="change of roll since the last aiding")
+    rate_sum = State(3, "rad/s", description="sum of rates less bias since the last aiding")
     force_sum = State(3, "m/s2", description="sum of specific forces since the last aiding")
-    force_count = State("1", description="number of IMU samples since the last aiding")
+    tilt_sum = State(2, "rad", description="sums of the tilt residuals, lateral and longitudinal, since they were used")
+    sample_count = State(2, "1", description="number of IMU samples in these")
+    airspeed_error = State("m/s", description="estimated error of the airspeed")
+    airspeed_seen = State("m/s", description="last airspeed of the instrument")
+    airspeed_used = State("m/s", description="airspeed at the last longitudinal aiding")
+    airspeed_used_time = State("s", description="its time of validity")
+    had_air = State(kind="boolean", description="there were air data at the last aiding")
+    tilt_level = State(2, "1", start=1.0, description="learned variance of the tilt over that of tilt_sigma")
+    innovation_sum = State(2, "1", description="sum of innovations over their sigma in this window")
+    innovation_count = State(2, "1", description="number of innovations in this window")
+    window_time = State("s", description="time since this window began")
     field_seen = State(kind="integer", description="sequence number of the last field used")
-    dip = State("rad", display_unit="deg", description="dip of the field, positive down")
     aligned = State(kind="boolean", description="initial alignment has been done")
+
+    @start
+    def assume(self):
+        self.airspeed_seen = self.airspeed
+
+    @on_new("air")
+    def take_air(self):
+        self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
 
     @on_new("imu")
     def integrate(self):
         step = np.maximum(self.imu.time_of_validity - self.imu_time, 0.0)
         rate = self.imu.rate - self.gyro_bias
+        # the angles are still those at the last sample
+        airspeed = self.airspeed_seen - self.airspeed_error
+        residuals = ahrs.tilt_residuals(self.force, airspeed, self.rate, self.angles[0], self.angles[1])
         euler_rates = attitude.euler_rates(0.5 * (rate + self.rate), self.angles[0], self.angles[1])
         moved = self.angles + step * euler_rates
         self.angles = np.stack([moved[0], moved[1], attitude.wrap(moved[2])])
-        self.turned = self.turned + step * euler_rates[2]
-        self.rolled = self.rolled + step * euler_rates[0]
-        self.rate = rate
-        self.imu_time = self.imu.time_of_validity
+        self.tilt_sum = self.tilt_sum + residuals
+        self.sample_count = self.sample_count + 1.0
         self.force_sum = self.force_sum + self.imu.specific_force
-        self.force_count = self.force_count + 1.0
+        self.rate_sum = self.rate_sum + rate
+        self.rate = rate
+        self.force = self.imu.specific_force
+        self.imu_time = self.imu.time_of_validity
         self.attitude.publish(
             roll=self.angles[0],
             pitch=self.angles[1],
             heading=self.angles[2],
             yaw_rate=euler_rates[2],
+            roll_sigma=self.sigmas[0],
+            pitch_sigma=self.sigmas[1],
+            heading_sigma=self.sigmas[2],
             valid=np.logical_and(self.aligned, self.imu.valid),
             time_of_validity=self.imu.time_of_validity,
         )
 
     @every("aiding_period")
     def aid(self):
-        felt = self.force_count > 0.5
-        force = np.where(felt, self.force_sum / np.maximum(self.force_count, 1.0), np.array([0.0, 0.0, -9.80665]))
-        straight, quiet = ahrs.gates(
-            self.turned,
-            self.rolled,
-            self.period,
-            force,
-            earth.STANDARD_GRAVITY,
-            self.yaw_rate_limit,
-            self.force_limit,
-        )
-        use_force = quiet & felt
-        due = self.field.time_of_validity <= self.time + 1.0e-6
-        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
-        level_roll, level_pitch = ahrs.level(force)
-        strength = np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
-        direction = self.field.field_b / strength
-        magnetic, down = ahrs.levelled_heading(direction, level_roll, level_pitch)
-        level_dip = np.arcsin(np.clip(down, -1.0, 1.0))
+        count = np.maximum(self.sample_count, 1.0)
+        felt = self.sample_count[0] > 0.5
+        force, rate = self.force_sum / count[0], self.rate_sum / count[0]
+
+        # airspeed: a new one has a new error
+        fresh = self.air.valid & (self.time - self.air.time_of_validity <= self.air_timeout + 1.0e-6)
+        back = fresh & np.logical_not(self.had_air)
+        airspeed_error = np.where(back, 0.0, self.airspeed_error)
+        airspeed = self.airspeed_seen - airspeed_error
+        airspeed_sigma = np.where(fresh, self.airspeed_sigma, self.blind_airspeed_sigma)
+        since = self.air.time_of_validity - self.airspeed_used_time
+        changed = since > 1.0e-6
+        speeding = np.where(fresh, (self.airspeed_seen - self.airspeed_used) / np.where(changed, since, 1.0), 0.0)
 
         # initial alignment
+        due = self.field.time_of_validity <= self.time + 1.0e-6
+        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
+        direction = self.field.field_b / np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
-        use_field = new_field & (straight | self.field_in_turns)
-        angles = np.where(
-            align, np.stack([level_roll, level_pitch, attitude.wrap(magnetic + self.declination)]), self.angles
+        turning = ahrs.turning_acceleration(np.where(fresh, airspeed, 0.0), rate)
+        level_roll, level_pitch = ahrs.level(force, turning)
+        magnetic, down = ahrs.levelled_heading(direction, level_roll, level_pitch)
+        angles = np.where(align, np.stack([level_roll, level_pitch, magnetic + self.declination]), self.angles)
+        dip = np.where(align, np.arcsin(np.clip(down, -1.0, 1.0)), self.dip)
+        initial = ahrs.initial_covariance(
+            self.initial_sigma,
+            np.sqrt(self.gyro_null_shift_sigma**2 + self.gyro_drift_sigma**2),
+            self.dip_sigma,
+            self.hard_iron_sigma,
+            airspeed_sigma,
         )
-        learning = np.where(
-            align, 1.0, np.where(use_force & use_field, self.period / (self.period + self.dip_time), 0.0)
-        )
-        dip = self.dip + learning * (level_dip - self.dip)
-        tilt = np.where(straight, self.initial_sigma, np.radians(15.0))
-        drift = self.gyro_drift_sigma
-        initial = kalman.of_variances(np.stack([tilt, tilt, 2.0 * tilt, drift, drift, drift]) ** 2)
 
         # time update
-        transition = ahrs.dynamics(angles[0], angles[1], self.rate, self.period)
+        decay = np.exp(-self.period / self.airspeed_time)
         noise = ahrs.process_noise(
-            (self.alpha * self.gyro_noise) ** 2 * self.sample_period, drift, self.gyro_drift_time, self.period
+            (self.alpha * self.gyro_noise) ** 2 * self.sample_period,
+            self.gyro_scale_sigma,
+            rate,
+            self.gyro_drift_sigma,
+            self.gyro_drift_time,
+            self.dip_walk,
+            airspeed_sigma**2 * (1.0 - decay * decay),
+            self.period,
         )
-        covariance = np.where(align, initial, kalman.propagate(self.covariance, transition, noise))
+        moved = ahrs.propagate(
+            ahrs.renewed(self.covariance, airspeed_sigma**2, back),
+            ahrs.dynamics(angles[0], angles[1], rate, self.period),
+            decay,
+            noise,
+        )
+        covariance = np.where(align, initial, moved)
+        airspeed_error = decay * airspeed_error
 
-        # measurement update
-        correction = np.zeros(6)
-        no_bias = np.zeros(3)
-        tilts = (level_roll - angles[0], level_pitch - angles[1])
-        for axis, residual in enumerate(tilts):
+        # measurement update: tilt
+        correction = np.zeros(ahrs.STATES)
+        sigma = np.where(fresh, self.tilt_sigma, self.blind_tilt_sigma)
+        residuals = self.tilt_sum / count - np.stack([0.0, speeding / earth.STANDARD_GRAVITY])
+        rows = ahrs.tilt_rows(airspeed, rate[2], angles[0], angles[1])
+        felt_again = felt & self.aligned
+        uses = felt_again, felt_again & (np.logical_not(fresh) | (self.had_air & changed))
+        floor = (self.tilt_sigma_min / self.tilt_sigma) ** 2
+        ended = self.window_time + self.period >= self.tilt_window - 1.0e-6
+        levels, totals, numbers = [], [], []
+        for axis, use in enumerate(uses):
+            innovation = (residuals[axis] - np.sum(rows[axis] * correction)) / sigma
+            total = self.innovation_sum[axis] + np.where(use, innovation, 0.0)
+            number = self.innovation_count[axis] + np.where(use, 1.0, 0.0)
+            noise_level = ahrs.raised(self.tilt_level[axis], total, number, self.tilt_limit)
             correction, covariance, _ = kalman.update(
-                correction, covariance, np.eye(6)[axis], self.tilt_sigma**2, attitude.wrap(residual), use_force
+                correction, covariance, rows[axis], noise_level * sigma**2, residuals[axis], use
             )
-        then = angles[2] - self.turned / self.period * (self.time - self.field.time_of_validity)
-        expected, rows = ahrs.field_rows(angles[0], angles[1], then, ahrs.field_n(dip, self.declination))
+            after = ahrs.learned(noise_level, total, number, self.tilt_window / self.tilt_time, floor)
+            levels.append(np.where(ended & (number > 0.5), after, noise_level))
+            totals.append(np.where(ended, 0.0, total))
+            numbers.append(np.where(ended, 0.0, number))
+
+        # measurement update: field
+        then = angles[2] - attitude.euler_rates(rate, angles[0], angles[1])[2] * (
+            self.time - self.field.time_of_validity
+        )
+        expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.declination, self.hard_iron)
         for axis in range(3):
             correction, covariance, _ = kalman.update(
-                correction,
-                covariance,
-                np.concatenate([rows[axis], no_bias]),
-                self.field_sigma**2,
-                direction[axis] - expected[axis],
-                use_field,
+                correction, covariance, rows[axis], self.field_sigma**2, direction[axis] - expected[axis], new_field
             )
-        angles = angles + correction[:3]
+
         running = np.logical_or(self.aligned, align)
-        self.angles = np.where(running, np.stack([angles[0], angles[1], attitude.wrap(angles[2])]), self.angles)
-        self.gyro_bias = np.where(running, self.gyro_bias + correction[3:], self.gyro_bias)
-        self.rate = np.where(running, self.rate - correction[3:], self.rate)
-        self.covariance = np.where(running, covariance, self.covariance)
-        self.heading_sigma = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[2], 0.0))
-        self.dip = np.where(running, dip, self.dip)
+        correction = np.where(running, correction, np.zeros(ahrs.STATES))
+        angles = angles + correction[:3]
+        heading, dip, over = ahrs.upright(angles[2], dip + correction[ahrs.DIP])
+        self.angles = np.stack([angles[0], angles[1], attitude.wrap(heading)])
+        self.dip = dip
+        self.covariance = np.where(running, ahrs.mirrored(covariance, over), self.covariance)
+        self.gyro_bias = self.gyro_bias + correction[3:6]
+        self.rate = self.rate - correction[3:6]
+        self.hard_iron = self.hard_iron + correction[7:10]
+        self.airspeed_error = airspeed_error + correction[ahrs.AIRSPEED]
         self.aligned = running
-        self.aiding = np.logical_and(running, use_force)
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
+
+        self.tilt_level = np.stack(levels)
+        self.innovation_sum = np.stack(totals)
+        self.innovation_count = np.stack(numbers)
+        self.window_time = np.where(ended, 0.0, self.window_time + self.period)
+        kept = fresh & self.had_air & np.logical_not(changed)
+        self.tilt_sum = np.stack([0.0, np.where(kept, self.tilt_sum[1], 0.0)])
+        self.sample_count = np.stack([0.0, np.where(kept, self.sample_count[1], 0.0)])
         self.force_sum = np.zeros(3)
-        self.force_count = 0.0
-        self.turned = 0.0
-        self.rolled = 0.0
+        self.rate_sum = np.zeros(3)
+        self.airspeed_used = self.airspeed_seen
+        self.airspeed_used_time = self.air.time_of_validity
+        self.had_air = fresh
+
+        unseen = np.stack([self.level_sigma, self.level_sigma, self.declination_sigma])
+        self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
+        self.heading_sigma = self.sigmas[2]
+        self.tilt_noise = sigma * np.sqrt(self.tilt_level)

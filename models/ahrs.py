@@ -1,7 +1,24 @@
-"""Attitude and heading from gyros, aided by accelerometers and magnetometers.
+"""Attitude and heading from gyros, aided by accelerometers, airspeed and magnetometers.
 
-Thesis section 4.11.1 (Euler angle filter, (4.32)-(4.51)), 4.12 (aiding, gates, Table 4.4), 4.8 (levelling). States of
-the filter are errors, true minus estimated, of [roll, pitch, heading, b_p, b_q, b_r].
+Thesis section 4.11.1 (Euler angle filter, (4.32)-(4.51)), 4.12 (aiding), 4.8 (levelling). The states of the filter are
+errors, true minus estimated, of
+
+    [roll, pitch, heading | b_p, b_q, b_r | dip | m_x, m_y, m_z | v]                                             (1)
+
+gyro biases (rad/s), dip of Earth's field (rad), hard iron over the strength of the field (1), airspeed (m/s).
+
+What the accelerometers show. An aircraft whose air velocity lies along its nose, (V, 0, 0) in b, in air that moves
+steadily, accelerates by V' (1, 0, 0) + w x (V, 0, 0) (Goldstein, *Classical Mechanics*, (4.86)), so the specific force
+a - g is
+
+    f_x = V' + g sin(pitch)
+    f_y = V r - g sin(roll) cos(pitch)                                                                           (2)
+    f_z = -V q - g cos(roll) cos(pitch)
+
+and in a coordinated turn, f_y = 0, it shows no roll without V r. What (2) leaves out is the change of the wind, dW/dt,
+and slip and angle of attack: white noise of the tilt to first order (a Gauss-Markov wind has a white derivative, of
+density 2 sigma^2 / tau), but of an unknown, changing level. So its level is learned from the innovations
+(:func:`learned`).
 
 What differs from the thesis, and why:
 
@@ -9,9 +26,9 @@ What differs from the thesis, and why:
 - F (4.34) has zeros for the effect of attitude errors on the Euler rates. In a turn at omega they are not small: a roll
   error becomes a pitch error at the rate omega. The full Jacobian is used (:func:`dynamics`).
 - The magnetometer is used as a vector, three scalar measurements of the direction of the field (:func:`field_rows`),
-  instead of as a levelled heading. In level flight that is the same. In a turn, when the accelerometers are cut off, it
-  keeps roll and pitch observable as the field comes from ever other directions, and a gyro of 0.05 deg/s does not run
-  away in a series of 360-degree turns.
+  instead of as a levelled heading. In level flight that is the same.
+- Gates ((4.67), the 1.05 g of p. 150) are gone: (2) holds in turns, too, and the accelerations of real flights are
+  below any such gate.
 - Gains are computed and not scheduled: at the slow rate of the aiding they cost next to nothing.
 """
 
@@ -19,13 +36,67 @@ from __future__ import annotations
 
 import numpy as np
 
-from models import attitude, kalman
+from models import attitude, earth, kalman
+
+STATES = 11
+MOVING = 3
+"""The first states, the angles, are driven by all; the others hold their values."""
+DIP, AIRSPEED = 6, 10
+TURN_TIME = 60.0
+"""Time for which a turn lasts, s: as long a scale factor error of a gyro acts in one direction (own choice)."""
 
 
-def level(specific_force):
-    """Roll and pitch, rad, of an aircraft that does not accelerate, thesis (4.8), (4.9) for any attitude."""
-    x, y, z = specific_force[0], specific_force[1], specific_force[2]
+def level(specific_force, acceleration):
+    """Roll and pitch, rad, thesis (4.8), (4.9), for any attitude; both arguments in b, m/s2."""
+    x, y, z = specific_force - acceleration
     return np.arctan2(-y, -z), np.arctan2(x, np.sqrt(y * y + z * z))
+
+
+def turning_acceleration(airspeed, rate):
+    """w x (V, 0, 0) in b, m/s2, of (2)."""
+    return np.array([0.0 * airspeed, airspeed * rate[2], -airspeed * rate[1]])
+
+
+def tilt_residuals(specific_force, airspeed, rate, roll, pitch):
+    """Lateral and longitudinal specific force of (2) over g, measured minus expected (without V'), in rad of tilt."""
+    turning = airspeed * rate[2] / earth.STANDARD_GRAVITY
+    return np.array(
+        [
+            specific_force[1] / earth.STANDARD_GRAVITY - turning + np.sin(roll) * np.cos(pitch),
+            specific_force[0] / earth.STANDARD_GRAVITY - np.sin(pitch),
+        ]
+    )
+
+
+def tilt_rows(airspeed, yaw_rate, roll, pitch):
+    """Derivatives of (2) over g by the states (1): lateral, longitudinal. The rate r and V have errors, too."""
+    sr, cr, sp, cp = np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch)
+    zero = 0.0 * roll
+    by_bias, by_airspeed = -airspeed / earth.STANDARD_GRAVITY, -yaw_rate / earth.STANDARD_GRAVITY
+    return np.array(
+        [
+            [-cr * cp, sr * sp, zero, zero, zero, by_bias, zero, zero, zero, zero, by_airspeed],
+            [zero, cp, zero, zero, zero, zero, zero, zero, zero, zero, zero],
+        ]
+    )
+
+
+def raised(level_, total, count, limit):
+    """Noise level at which the sum of ``count`` white innovations of unit level is at most ``limit`` sigma.
+
+    What does not fit is evidence against the noise level, not against the measurement: the opposite of a gate.
+    """
+    return np.maximum(level_, total * total / (np.maximum(count, 1.0) * limit * limit))
+
+
+def learned(level_, total, count, gain, floor):
+    """Noise level (a variance) after a window of innovations, matched to their covariance (Mehra, *IEEE Trans. Autom.
+    Control* AC-17, 1972, p. 693).
+
+    The square of their *sum* over their count is the variance of the white noise with the same density at low
+    frequencies, however coloured it is within the window; that is what the slow states of the filter feel.
+    """
+    return np.maximum(level_ + gain * (total * total / np.maximum(count, 1.0) - level_), floor)
 
 
 def levelled_heading(field_b, roll, pitch):
@@ -47,25 +118,12 @@ def length(vector):
     return np.sqrt(np.sum(vector * vector))
 
 
-def gates(heading_change, roll_change, time, specific_force, gravity, rate_limit, force_limit):
-    """Whether the aircraft flies straight, and whether it is unaccelerated too: thesis (4.67) and the 1.05 g gate.
-
-    ``heading_change`` (rad) over ``time`` (s) is the computed yaw rate. The same limit is applied to the computed roll
-    rate (own addition): while an aircraft rolls into a turn its yaw rate is small still, and the accelerometers, which
-    feel no roll in a coordinated turn, are wrong already. ``force_limit`` is the allowed departure of the specific
-    force from 1 g, to both sides (the thesis tests the upper one).
-    """
-    straight = np.maximum(np.abs(heading_change), np.abs(roll_change)) <= rate_limit * time
-    quiet = np.abs(length(specific_force) - gravity) <= force_limit * gravity
-    return straight, np.logical_and(straight, quiet)
-
-
 def dynamics(roll, pitch, rate, time):
-    """Phi of the six error states over ``time`` s, rates and attitude taken as constant.
+    """Rows of Phi of the three angles over ``time`` s by the angles and the gyro biases, rates and attitude constant.
 
-    Derivatives of (4.4) with respect to roll and pitch, and (4.35) for the gyro biases. The biases hold their values: a
-    null shift does, and the part that drifts is taken as a random walk (the thesis's -1/tau would pull the null shift
-    to zero).
+    Derivatives of (4.4) with respect to roll and pitch, and (4.35) for the gyro biases. All other states hold their
+    values: a null shift does, and the part that drifts is taken as a random walk (the thesis's -1/tau would pull the
+    null shift to zero).
     """
     sr, cr, sp, cp = np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch)
     tp = sp / cp
@@ -77,37 +135,110 @@ def dynamics(roll, pitch, rate, time):
             [1.0 + t * nodding * tp, t * turning / (cp * cp), 0.0, -t, -t * sr * tp, -t * cr * tp],
             [-t * turning, 1.0, 0.0, 0.0, -t * cr, t * sr],
             [t * nodding / cp, t * turning * tp / cp, 1.0, 0.0, -t * sr / cp, -t * cr / cp],
-            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
         ]
     )
 
 
-def process_noise(angle_density, drift_sigma, drift_time, time):
-    """C_d over ``time`` s, packed: (4.39)-(4.44). ``angle_density`` in rad^2/s, drift (3.5) 2 sigma^2 / tau in
-    rad^2/s^3.
+def initial_covariance(tilt, gyro, dip, iron, airspeed):
+    """Covariance, packed, when the angles have just been read from force and field; the sigmas of the states (1).
 
-    Roll, pitch and heading are driven alike: the mapping f(pitch, roll) of (4.39) is near a rotation below 20 degrees
-    of pitch.
+    Nothing is known of heading (1 rad): the field, taken next, ties its error to those of tilt, dip and hard iron.
     """
-    drift = 2.0 * drift_sigma * drift_sigma / drift_time
-    a, b = angle_density * time, drift * time
-    return kalman.of_variances(np.array([a, a, a, b, b, b]))
+    one = 1.0 + 0.0 * tilt
+    return kalman.of_variances(np.stack([tilt, tilt, one, gyro, gyro, gyro, dip, iron, iron, iron, airspeed]) ** 2)
 
 
-def field_rows(roll, pitch, heading, direction_n):
-    """Direction of the field in b at the estimated attitude, and its derivatives by roll, pitch and heading.
+def propagate(upper, rows, decay, noise):
+    """P[k+1] = Phi P Phi' + C_d, (4.46), where only the angles move: ``rows`` of :func:`dynamics`.
 
-    Turning the aircraft about a unit vector u by a small angle turns a fixed vector, seen in b, by the opposite:
-    dv = -u x v. u is the forward axis for roll, (0, cos roll, -sin roll) for pitch and down for heading.
-    Returns v and a 3 x 3 matrix, row i the derivatives of v[i].
+    ``decay`` is that of the last state, the airspeed's error; ``noise`` the diagonal of C_d. The product of the full
+    matrices would take six times as many operations.
     """
-    c_nb = attitude.dcm(roll, pitch, heading)
-    v = c_nb.T @ direction_n
+    covariance = kalman.unpack(upper)
+    driving = np.shape(rows)[-1]
+    moved = rows @ covariance[:driving]  # rows of Phi P
+    corner = moved[:, :driving] @ rows.T
+    side = moved[:, MOVING:]
+    whole = np.concatenate(
+        [
+            np.concatenate([corner, side], axis=1),
+            np.concatenate([side.T, covariance[MOVING:, MOVING:]], axis=1),
+        ]
+    )
+    decays = np.concatenate([np.ones(STATES - 1), np.reshape(decay, (1,))])
+    return kalman.pack(whole * decays[:, None] * decays[None, :]) + kalman.of_variances(noise)
+
+
+def process_noise(angle_density, scale, rate, drift, drift_time, dip_walk, airspeed_variance, time):
+    """Diagonal of C_d over ``time`` s: (4.39)-(4.44).
+
+    Parameters
+    ----------
+    angle_density
+        White noise of the gyros, rad^2/s. Roll, pitch and heading are driven alike: the mapping f(pitch, roll) of
+        (4.39) is near a rotation below 20 degrees of pitch.
+    scale, rate
+        Scale factor error of the gyros (1) and the rate in b (rad/s): an error that lasts for :data:`TURN_TIME`.
+    drift, drift_time
+        Sigma (rad/s) and time constant (s) of the gyro drift, (3.5): 2 sigma^2 / tau in rad^2/s^3.
+    dip_walk
+        Random walk of the dip over the ground that is flown, rad/sqrt(s).
+    airspeed_variance
+        What the airspeed's error gains over ``time``, (m/s)^2.
+    """
+    zero = 0.0 * time
+    angles = angle_density * time + (scale * rate) ** 2 * TURN_TIME * time
+    bias = 2.0 * drift * drift / drift_time * time
+    return np.stack([*angles, bias, bias, bias, dip_walk * dip_walk * time, zero, zero, zero, airspeed_variance + zero])
+
+
+def field_rows(roll, pitch, heading, dip, declination, iron):
+    """Direction of the measured field in b, and its derivatives by roll, pitch, heading, dip and hard iron.
+
+    The field in b is v = C_bn n(dip) + m, with the hard iron m over the strength of the field; measured is v / |v|,
+    whose change is that of v across v. Turning the aircraft about a unit vector u by a small angle turns a fixed
+    vector, seen in b, by the opposite: dv = -u x v. u is the forward axis for roll, (0, cos roll, -sin roll) for pitch
+    and down for heading. Returns v / |v| and the rows of H by all states (1).
+    """
+    c_bn = attitude.dcm(roll, pitch, heading).T
+    direction = field_n(dip, declination)
+    earths = c_bn @ direction
     zero = 0.0 * roll
-    by_roll = np.array([zero, v[2], -v[1]])
     sr, cr = np.sin(roll), np.cos(roll)
-    by_pitch = np.array([-cr * v[2] - sr * v[1], sr * v[0], cr * v[0]])
-    by_heading = c_nb.T @ np.array([direction_n[1], -direction_n[0], zero])
-    return v, np.stack([by_roll, by_pitch, by_heading], axis=1)
+    by_roll = np.array([zero, earths[2], -earths[1]])
+    by_pitch = np.array([-cr * earths[2] - sr * earths[1], sr * earths[0], cr * earths[0]])
+    by_heading = c_bn @ np.array([direction[1], -direction[0], zero])
+    by_dip = c_bn @ field_n(dip + 0.5 * np.pi, declination)
+    v = earths + iron
+    strength = length(v)
+    unit = v / strength
+    across = (np.eye(3) - unit[:, None] * unit[None, :]) / strength
+    angles = across @ np.stack([by_roll, by_pitch, by_heading], axis=1)
+    none = zero * np.ones((3, 3))
+    dips = np.reshape(across @ by_dip, (3, 1))
+    return unit, np.concatenate([angles, none, dips, across, none[:, :1]], axis=1)
+
+
+def upright(heading, dip):
+    """Heading, dip, and whether the dip was beyond the vertical: that is the same field seen the other way round."""
+    over = np.abs(dip) > 0.5 * np.pi
+    return (
+        np.where(over, heading + np.pi, heading),
+        np.where(over, np.sign(dip) * np.pi - dip, dip),
+        over,
+    )
+
+
+def mirrored(upper, over):
+    """Covariance when the dip has changed sides: its error counts the other way."""
+    signs = np.ones(STATES)
+    signs[DIP] = -1.0
+    return np.where(over, upper * kalman.pack(np.outer(signs, signs)), upper)
+
+
+def renewed(upper, variance, use):
+    """Covariance where the airspeed comes from its instrument anew: its error has nothing to do with the last one's."""
+    keep = np.ones(STATES)
+    keep[AIRSPEED] = 0.0
+    fresh = kalman.of_variances(variance * (1.0 - keep))
+    return np.where(use, upper * kalman.pack(np.outer(keep, keep)) + fresh, upper)

@@ -76,6 +76,7 @@ def connect(system: SystemSource) -> None:
     system.connect("wind.wind_n", "air_data.wind_n")
     system.connect("imu.reading", "ahrs.imu")
     system.connect("magnetometer.field", "ahrs.field")
+    system.connect("air_data.air", "ahrs.air")
     system.connect("ahrs.attitude", "navigator.attitude")
     system.connect("air_data.air", "navigator.air")
     system.connect("dme.ranging", "navigator.ranging")

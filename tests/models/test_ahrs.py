@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 
 from fmus.ahrs import Ahrs
-from models import ahrs, attitude, earth
+from models import ahrs, attitude, earth, kalman
 from models.flight_plan import FlightPlan, straight, turn
 from tests.models.native import Native, interpret
 
 PERIOD = 0.1
+G = earth.STANDARD_GRAVITY
 DIP, DECLINATION, STRENGTH = np.radians(61.0), np.radians(13.0), 4.8e-5
-NAMES = ["attitude.roll", "attitude.pitch", "attitude.heading", "gyro_bias", "heading_sigma"]
+SPEED = 46.3
+ANGLES = ("roll", "pitch", "heading")
+NAMES = [f"attitude.{name}{suffix}" for name in ANGLES for suffix in ("", "_sigma")]
+NAMES += ["gyro_bias", "hard_iron", "dip", "tilt_noise"]
 
 
 @pytest.fixture(scope="module")
@@ -22,142 +26,255 @@ def wrap(angle):
     return (angle + np.pi) % (2.0 * np.pi) - np.pi
 
 
+def motion(time, speed, heading, roll, pitch=0.0, climb=0.0):
+    """What ideal sensors show of a motion given as arrays over time: level or with a pitch; closed formulas."""
+    step = time[1] - time[0]
+    roll, pitch, speed, climb = (x + 0.0 * time for x in (roll, pitch, speed, climb))
+    turn_rate = np.gradient(heading, step)
+    rates = attitude.body_rate(
+        np.gradient(roll, step), np.gradient(pitch, step), turn_rate,
+        np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch),
+    )  # fmt: skip
+    velocity_n = np.stack([speed * np.cos(heading), speed * np.sin(heading), -climb])
+    force_n = np.gradient(velocity_n, step, axis=1) - np.array([0.0, 0.0, G])[:, None]
+    c_nb = attitude.dcm(roll, pitch, heading)
+    return {
+        "time": time,
+        "roll": roll,
+        "pitch": pitch,
+        "heading": heading,
+        "speed": speed,
+        "rate": rates,
+        "force": np.einsum("jit,jt->it", c_nb, force_n),
+        "field": STRENGTH * np.einsum("jit,j->it", c_nb, ahrs.field_n(DIP, DECLINATION)),
+    }
+
+
+def coordinated(time, speed, turn_rate):
+    """A level turn at a constant rate from the first moment on."""
+    return motion(time, speed, turn_rate * time, np.arctan(speed * turn_rate / G))
+
+
 @pytest.fixture(scope="module")
 def flight():
     """Ten minutes with two 360-degree turns, analytic: angles, body rates and specific force at each sample."""
-    speed = 46.3
     segments = (
-        straight(90.0, speed),
-        turn(2.0 * np.pi, np.radians(3.0), speed),
-        straight(50.0, speed),
-        turn(-2.0 * np.pi, np.radians(1.5), speed),
-        straight(90.0, speed),
+        straight(90.0, SPEED),
+        turn(2.0 * np.pi, np.radians(3.0), SPEED),
+        straight(50.0, SPEED),
+        turn(-2.0 * np.pi, np.radians(1.5), SPEED),
+        straight(90.0, SPEED),
     )
-    plan = FlightPlan(0.65, -2.1, 1500.0, 0.4, speed, segments)
-    track = plan.sample(PERIOD)
-    time, heading = track["time"], np.unwrap(track["track"])
-    rate_of_turn = np.gradient(heading, PERIOD)
-    roll = np.arctan(speed * rate_of_turn / earth.STANDARD_GRAVITY)
-    roll_rate = np.gradient(roll, PERIOD)
-    zero = np.zeros_like(roll)
-    rates = attitude.body_rate(roll_rate, zero, rate_of_turn, np.sin(roll), np.cos(roll), zero, zero + 1.0)
-    acceleration_n = np.stack([-np.sin(heading), np.cos(heading), zero]) * speed * rate_of_turn
-    force_n = acceleration_n - np.array([0.0, 0.0, earth.STANDARD_GRAVITY])[:, None]
-    c_nb = attitude.dcm(roll, zero, heading)
-    force = np.einsum("jit,jt->it", c_nb, force_n)
-    field = STRENGTH * np.einsum("jit,j->it", c_nb, ahrs.field_n(DIP, DECLINATION))
-    turning = np.abs(rate_of_turn) > np.radians(1.0)
-    sensed = {"rate": rates, "force": force, "field": field}
-    return {"time": time, "roll": roll, "heading": heading, "turn": turning, **sensed}
+    track = FlightPlan(0.65, -2.1, 1500.0, 0.4, SPEED, segments).sample(PERIOD)
+    heading = np.unwrap(track["track"])
+    roll = np.arctan(SPEED * np.gradient(heading, PERIOD) / G)
+    return motion(track["time"], SPEED, heading, roll)
 
 
-def fly(native, flight, parameters=None, bias=(0.0, 0.0, 0.0), noise=0.0, field_until=1e9, hard_iron=(0.0, 0.0, 0.0)):
-    """Errors of roll, pitch and heading (deg) from the samples at PERIOD, 2 PERIOD ... of the flight."""
+def fly(native, flight, parameters=None, bias=(0.0, 0.0, 0.0), noise=0.0, field_until=1e9, air_until=1e9, iron=0.0):
+    """Outputs, and errors of roll, pitch and heading (deg), from samples at PERIOD, 2 PERIOD ... of the flight."""
     rng = np.random.default_rng(3)
     white = noise * rng.standard_normal(flight["rate"].shape)
     held = {}
 
     def inputs(t):
         k = round(t / PERIOD) + 1  # the sample that is taken at the end of this step
-        values = {
-            "imu.rate": flight["rate"][:, k] + bias + white[:, k],
-            "imu.specific_force": flight["force"][:, k],
-            "imu.valid": True,
-            "imu.sequence": k,
-            "imu.time_of_validity": k * PERIOD,
-        }
-        if k * PERIOD <= field_until:
-            held.update(
-                {
-                    "field.field_b": flight["field"][:, k] + hard_iron,
-                    "field.valid": True,
-                    "field.sequence": k,
-                    "field.time_of_validity": k * PERIOD,
-                }
-            )
+        now = k * PERIOD
+        values = {"imu.rate": flight["rate"][:, k] + bias + white[:, k], "imu.specific_force": flight["force"][:, k]}
+        seen = ["imu"]
+        if now <= field_until:
+            values["field.field_b"] = flight["field"][:, k] + iron
+            seen.append("field")
+        if now <= air_until:
+            values["air.true_airspeed"] = flight["speed"][k]
+            seen.append("air")
+        for bundle in seen:
+            held[f"{bundle}.valid"], held[f"{bundle}.sequence"], held[f"{bundle}.time_of_validity"] = True, k, now
         return values | held
 
     stop = (len(flight["time"]) - 1) * PERIOD
     got = native.run(
-        stop,
-        PERIOD,
-        NAMES,
-        {"sample_period": PERIOD, "declination": DECLINATION, **(parameters or {})},
-        inputs,
+        stop, PERIOD, NAMES, {"sample_period": PERIOD, "declination": DECLINATION, **(parameters or {})}, inputs
     )
-    error = {
-        "roll": np.degrees(got["attitude.roll"] - flight["roll"]),
-        "pitch": np.degrees(got["attitude.pitch"]),
-        "heading": np.degrees(wrap(got["attitude.heading"] - flight["heading"])),
-    }
-    return got, error
+    return got, {name: np.degrees(wrap(got[f"attitude.{name}"] - flight[name])) for name in ANGLES}
 
 
 # --- equations -------------------------------------------------------------------------------------------------------
 
 
+def derivatives(function, x, step=1e-6):
+    return np.stack([(function(x + step * d) - function(x - step * d)) / (2 * step) for d in np.eye(len(x))], axis=1)
+
+
 def test_levelling_and_compass_return_the_attitude_they_were_made_from():
+    """In a turn, too, once the turning acceleration is taken away."""
     for roll, pitch, heading in [(0.0, 0.0, 0.0), (0.3, -0.2, 2.5), (-0.9, 0.4, -1.2)]:
         c_nb = attitude.dcm(roll, pitch, heading)
-        got = ahrs.level(c_nb.T @ np.array([0.0, 0.0, -9.8]))
+        turning = ahrs.turning_acceleration(80.0, np.array([0.01, 0.03, 0.05]))
+        got = ahrs.level(c_nb.T @ np.array([0.0, 0.0, -9.8]) + turning, turning)
         assert got == pytest.approx((roll, pitch), abs=1e-12)
         magnetic, down = ahrs.levelled_heading(c_nb.T @ ahrs.field_n(DIP, 0.0), roll, pitch)
         assert magnetic == pytest.approx(heading, abs=1e-12)
         assert down == pytest.approx(np.sin(DIP), abs=1e-12)
 
 
+def test_the_turning_acceleration_is_the_cross_product_of_rate_and_velocity():
+    rate = np.array([0.3, -0.2, 0.5])
+    np.testing.assert_allclose(
+        ahrs.turning_acceleration(70.0, rate), np.cross(rate, [70.0, 0.0, 0.0]), rtol=0, atol=1e-15
+    )
+
+
 def test_dynamics_are_the_derivatives_of_the_euler_rates():
     """Including row 2, column 3 = -sin(roll), which (4.35) prints as -cos(roll)."""
     x = np.array([0.4, -0.25, 1.0, 0.0, 0.0, 0.0])
-    rate, time, step = np.array([0.02, 0.05, -0.07]), 0.5, 1e-6
-
-    def rates(y):
-        return attitude.euler_rates(rate - y[3:], y[0], y[1])
-
-    numeric = np.stack([(rates(x + step * d) - rates(x - step * d)) / (2 * step) for d in np.eye(6)], axis=1)
+    rate, time = np.array([0.02, 0.05, -0.07]), 0.5
+    numeric = derivatives(lambda y: attitude.euler_rates(rate - y[3:], y[0], y[1]), x)
     phi = ahrs.dynamics(x[0], x[1], rate, time)
-    np.testing.assert_allclose(phi[:3], np.eye(6)[:3] + time * numeric, atol=1e-9)
-    np.testing.assert_array_equal(phi[3:], np.eye(6)[3:])
+    np.testing.assert_allclose(phi, np.eye(6)[:3] + time * numeric, atol=1e-9)
     assert phi[1, 5] == pytest.approx(time * np.sin(0.4))
 
 
-def test_field_rows_are_the_derivatives_of_the_field_in_body_axes():
-    x, step = np.array([0.4, -0.25, 1.0]), 1e-6
-    direction = ahrs.field_n(DIP, DECLINATION)
-    v, rows = ahrs.field_rows(*x, direction)
-    np.testing.assert_allclose(v, attitude.dcm(*x).T @ direction, atol=1e-14)
+def test_field_rows_are_the_derivatives_of_the_direction_of_the_measured_field():
+    """By attitude, dip and hard iron; across the field only, for a direction has no length."""
+    x = np.array([0.4, -0.25, 1.0, 0.0, 0.0, 0.0, 1.1, 0.02, -0.01, 0.03, 0.0])
 
     def seen(y):
-        return attitude.dcm(*y).T @ direction
+        v = attitude.dcm(*y[:3]).T @ ahrs.field_n(y[6], DECLINATION) + y[7:10]
+        return v / np.linalg.norm(v)
 
-    numeric = np.stack([(seen(x + step * d) - seen(x - step * d)) / (2 * step) for d in np.eye(3)], axis=1)
-    np.testing.assert_allclose(rows, numeric, atol=1e-9)
+    unit, rows = ahrs.field_rows(x[0], x[1], x[2], x[6], DECLINATION, x[7:10])
+    np.testing.assert_allclose(unit, seen(x), atol=1e-14)
+    np.testing.assert_allclose(rows, derivatives(seen, x), atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("turned", "rolled", "pull", "expected"),
-    [
-        (0.0043, -0.0043, 1.0, (True, True)),
-        (-0.0045, 0.0, 1.0, (False, False)),
-        (0.0, 0.0045, 1.0, (False, False)),
-        (0.0, 0.0, 1.051, (True, False)),
-        (0.0, 0.0, 0.949, (True, False)),
-    ],
-)
-def test_gates_are_half_a_degree_per_second_and_five_percent_of_g(turned, rolled, pull, expected):
-    force = np.array([0.0, 0.0, -pull * 9.80665])
-    straight_, quiet = ahrs.gates(turned, rolled, 0.5, force, 9.80665, np.radians(0.5), 0.05)
-    assert (bool(straight_), bool(quiet)) == expected
+def test_tilt_rows_are_the_derivatives_of_the_specific_force():
+    """By the bias of the yaw gyro and by the airspeed as well: V r has their errors."""
+    x = np.array([0.4, -0.25, 1.0, 0.001, 0.002, -0.003, 0.0, 0.0, 0.0, 0.0, 2.0])
+    measured, seen = np.array([0.02, 0.05, -0.07]), 80.0
+
+    def expected(y):
+        """(2) over g without V', of an aircraft at V = seen - v that turns at measured - b."""
+        c_bn = attitude.dcm(*y[:3]).T
+        turning = np.cross(measured - y[3:6], [seen - y[10], 0.0, 0.0])
+        return ((turning - c_bn @ [0.0, 0.0, G]) / G)[[1, 0]]
+
+    rows = ahrs.tilt_rows(seen - x[10], (measured - x[3:6])[2], x[0], x[1])
+    np.testing.assert_allclose(rows, derivatives(expected, x), atol=1e-9)
+    force = np.array([0.3, -0.4, -9.9])
+    residuals = ahrs.tilt_residuals(force, seen - x[10], measured - x[3:6], x[0], x[1])
+    np.testing.assert_allclose(residuals, force[[1, 0]] / G - expected(x), atol=1e-14)
+
+
+def test_the_time_update_is_phi_p_phi_with_the_other_states_held():
+    rng = np.random.default_rng(5)
+    root = rng.standard_normal((11, 14))
+    p, rows, noise = root @ root.T, rng.standard_normal((3, 6)), rng.uniform(0.1, 1.0, 11)
+    phi = np.eye(11)
+    phi[:3, :6] = rows
+    phi[10, 10] = 0.7
+    got = kalman.unpack(ahrs.propagate(kalman.pack(p), rows, 0.7, noise))
+    np.testing.assert_allclose(got, phi @ p @ phi.T + np.diag(noise), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.6, 0.9])
+def test_the_learned_level_is_the_density_at_low_frequency(colour):
+    """Noise x = (1 - c) sum of c^k white has the density of the white noise at zero frequency, but (1-c)/(1+c) of its
+    variance: a level from squares of single innovations, not of their sum, would be 0.25 and 0.05 of the truth.
+
+    400 windows of 60: the mean square of 400 sums has a sigma of sqrt(2 / 400) = 7 %; a window of 60 correlated over
+    10 lacks c / (1 - c^2) / 60 * 2 of it, at most 16 %.
+    """
+    rng = np.random.default_rng(7)
+    white, x, state = rng.standard_normal(24000), [], 0.0
+    for w in white:
+        state = colour * state + (1.0 - colour) * w
+        x.append(state)
+    sums = np.sum(np.reshape(x, (400, 60)), axis=1)
+    level = 1.0
+    for k, total in enumerate(sums):
+        level = ahrs.learned(level, total, 60.0, 1.0 / (k + 1.0), 0.0)
+    lost = 2.0 * colour / (1.0 - colour**2) / 60.0
+    assert 1.0 - lost - 3 * 0.07 < level < 1.0 + 3 * 0.07
+
+
+def test_an_innovation_that_does_not_fit_raises_the_level_to_where_it_is_three_sigma():
+    assert ahrs.raised(1.0, 2.9, 1.0, 3.0) == 1.0
+    assert ahrs.raised(1.0, 6.0, 1.0, 3.0) == pytest.approx(4.0)
+    assert ahrs.raised(1.0, 6.0, 4.0, 3.0) == 1.0  # the sum of four has twice the sigma
+    assert ahrs.learned(1.0, 0.0, 9.0, 1.0, 0.25) == 0.25
+
+
+def test_a_dip_beyond_the_vertical_is_the_same_field_seen_the_other_way_round():
+    heading, dip, over = ahrs.upright(0.3, np.radians(100.0))
+    assert bool(over)
+    np.testing.assert_allclose(
+        attitude.dcm(0.2, 0.1, heading).T @ ahrs.field_n(dip, DECLINATION),
+        attitude.dcm(0.2, 0.1, heading).T @ ahrs.field_n(np.radians(80.0), DECLINATION),
+    )
+    rng = np.random.default_rng(1)
+    root = rng.standard_normal((11, 14))
+    upper = kalman.pack(root @ root.T)
+    flip = np.eye(11)
+    flip[6, 6] = -1.0
+    np.testing.assert_allclose(kalman.unpack(ahrs.mirrored(upper, over)), flip @ root @ root.T @ flip)
+    assert ahrs.upright(0.3, -1.0)[:2] == (0.3, -1.0)
+
+
+def test_an_airspeed_that_is_back_has_an_error_of_its_own():
+    rng = np.random.default_rng(2)
+    root = rng.standard_normal((11, 14))
+    got = kalman.unpack(ahrs.renewed(kalman.pack(root @ root.T), 4.0, True))
+    wanted = root @ root.T
+    wanted[10, :] = wanted[:, 10] = 0.0
+    wanted[10, 10] = 4.0
+    np.testing.assert_array_equal(got, wanted)
+
+
+# --- closed forms ----------------------------------------------------------------------------------------------------
+
+
+def test_at_rest_the_angles_are_those_of_force_and_field(native):
+    """Roll 3, pitch -2, heading 40 degrees; no airspeed."""
+    time = np.arange(0.0, 60.0, PERIOD)
+    still = motion(time, 0.0, np.radians(40.0) + 0.0 * time, np.radians(3.0), np.radians(-2.0))
+    got, error = fly(native, still)
+    for name in ANGLES:
+        assert np.max(np.abs(error[name][6:])) < 1e-6, name
+        assert got[f"attitude.{name}_sigma"][-1] < np.radians(3.0)
+
+
+def test_a_turn_that_has_begun_long_ago_is_seen_as_a_turn(native):
+    """Ninety m/s, 3 deg/s: 25.7 degrees of bank, and the accelerometers show none. Levelling takes it for level flight,
+    and a gate closed in turns leaves it at that."""
+    _, error = fly(native, coordinated(np.arange(0.0, 180.0, PERIOD), 90.0, np.radians(3.0)))
+    for name in ANGLES:
+        assert np.max(np.abs(error[name][10:-2])) < 0.2, name
+
+
+@pytest.mark.parametrize("acceleration", [0.5, -0.25])
+def test_an_aircraft_that_gains_speed_does_not_pitch_up(native, acceleration):
+    """0.5 m/s2 turn the specific force by 2.9 degrees and change its length by 0.13 %: no gate sees it.
+
+    The first alignment, before there are two airspeeds, takes it for pitch; after 30 s a tenth of that is left at most.
+    """
+    time = np.arange(0.0, 90.0, PERIOD)
+    dash = motion(time, 50.0 + acceleration * time, 0.7 + 0.0 * time, 0.0)
+    _, error = fly(native, dash)
+    assert np.max(np.abs(error["pitch"][300:-2])) < np.degrees(abs(acceleration) / G) / 10
+    got, blind = fly(native, dash, air_until=-1.0)
+    assert abs(blind["pitch"][-10]) > np.degrees(abs(acceleration) / G) / 2
+    assert abs(blind["pitch"][-10]) < 3 * np.degrees(got["attitude.pitch_sigma"][-10])
 
 
 # --- the component ---------------------------------------------------------------------------------------------------
 
 
 def test_with_perfect_sensors_the_attitude_is_exact_through_turns(native, flight):
-    """Bound: Euler integration of samples of 0.1 s; the roll rate ends within samples."""
+    """Bound: samples of 0.1 s, between which the roll rate begins and ends."""
     _, error = fly(native, flight)
-    for name in ("roll", "pitch", "heading"):
-        assert np.max(np.abs(error[name][20:])) < 0.15, name
+    for name in ANGLES:
+        assert np.max(np.abs(error[name][20:])) < 0.3, name
 
 
 def test_gyro_biases_are_found_and_removed(native, flight):
@@ -165,40 +282,60 @@ def test_gyro_biases_are_found_and_removed(native, flight):
     bias = np.radians([0.1, -0.07, 0.05])
     got, error = fly(native, flight, bias=bias)
     np.testing.assert_allclose(got["gyro_bias"][-1], bias, atol=np.radians(0.01))
-    for name in ("roll", "pitch", "heading"):
+    for name in ANGLES:
         assert np.max(np.abs(error[name][-800:])) < 0.5, name
 
 
-def test_gyros_alone_diverge_and_gyros_alone_in_turns_are_worse(native, flight):
-    """Thesis Fig 4.18: the open loop diverges, the aided does not. A biased automotive gyro, as in Table 3.2."""
+def test_hard_iron_is_found_in_turns(native, flight):
+    """5 mG forward and -4 mG right turn the needle of a horizontal field of 233 mG by 1.2 and 1 degree; after two full
+    turns less than a quarter of that is left."""
+    iron = np.array([5e-7, -4e-7, 0.0])
+    got, error = fly(native, flight, noise=np.radians(0.05), iron=iron[:, None].T[0])
+    limit = np.degrees(np.linalg.norm(iron) / (STRENGTH * np.cos(DIP)))
+    assert np.max(np.abs(error["heading"][:400])) > 0.5 * limit
+    assert np.sqrt(np.mean(error["heading"][-600:] ** 2)) < 0.25 * limit
+    np.testing.assert_allclose(got["hard_iron"][-1][:2], iron[:2] / STRENGTH, atol=0.3 * 5e-7 / STRENGTH)
+
+
+def test_without_air_data_the_sigmas_are_wider_and_right(native, flight):
+    """From 60 s on no air data: all errors of the analytic flight stay within three sigma, which are wider."""
     bias, noise = np.radians([0.05, 0.05, -0.05]), np.radians(0.05)
-    turning = flight["turn"] & (flight["time"] > 60.0)
-    _, aided = fly(native, flight, bias=bias, noise=noise)
-    _, thesis = fly(native, flight, {"field_in_turns": False}, bias, noise)
-    _, free = fly(native, flight, {"field_in_turns": False, "yaw_rate_limit": 0.0}, bias, noise)
-    runs = {"aided": aided, "thesis": thesis, "free": free}
-    worst = {name: np.max(np.abs(error["heading"][turning])) for name, error in runs.items()}
-    assert worst["free"] > 20.0  # 0.05 deg/s for ten minutes are 30 degrees
-    assert worst["aided"] < 2.5
-    assert worst["thesis"] < worst["free"] / 3
-    assert np.max(np.abs(aided["roll"][300:])) < 2.5
+    whole, _ = fly(native, flight, bias=bias, noise=noise)
+    blind, error = fly(native, flight, bias=bias, noise=noise, air_until=60.0)
+    for name in ANGLES:
+        sigma = blind[f"attitude.{name}_sigma"]
+        assert np.all(sigma[700:] > whole[f"attitude.{name}_sigma"][700:])
+        assert np.mean(np.abs(error[name][100:]) < 3 * np.degrees(sigma[100:])) > 0.99, name
 
 
-def test_heading_errors_are_those_of_the_magnetometer_calibration(native, flight):
-    """Thesis section 3.12: a residual of 5 mG in a horizontal field of 233 mG turns the needle by 1.2 degrees."""
-    residual = 5e-7
-    _, error = fly(native, flight, noise=np.radians(0.05), hard_iron=np.array([residual, 0.0, 0.0]))
-    limit = np.degrees(residual / (STRENGTH * np.cos(DIP)))
-    rms = np.sqrt(np.mean(error["heading"][300:] ** 2))
-    assert 0.2 * limit < rms < 1.5 * limit
+def test_never_any_air_data_is_flown_through(native, flight):
+    got, error = fly(native, flight, air_until=-1.0)
+    for name in ANGLES:
+        sigma = np.degrees(got[f"attitude.{name}_sigma"])
+        assert np.mean(np.abs(error[name][100:]) < 3 * sigma[100:]) > 0.99, name
+
+
+def test_a_changing_wind_raises_the_noise_of_the_tilt(native, flight):
+    """White accelerations of 1 m/s2 in 0.5 s are 5.8 degrees of tilt; still air leaves the least that is allowed."""
+    rng = np.random.default_rng(4)
+    count = flight["time"].size
+    pushes = np.repeat(rng.standard_normal((2, count // 5 + 1)), 5, axis=1)[:, :count]
+    shaken = flight | {"force": flight["force"] + np.stack([pushes[0], pushes[1], 0.0 * pushes[0]])}
+    calm, _ = fly(native, flight)
+    rough, _ = fly(native, shaken)
+    assert np.all(np.degrees(calm["tilt_noise"][-1]) < 3.0)
+    assert np.all(np.abs(np.degrees(rough["tilt_noise"][-1]) - 5.8) < 2.0)
+    for name in ("roll", "pitch"):
+        assert rough[f"attitude.{name}_sigma"][-1] > 1.15 * calm[f"attitude.{name}_sigma"][-1]
 
 
 def test_without_the_field_roll_and_pitch_are_still_aided_and_heading_drifts(native, flight):
     """The field stops after 30 s. Roll error after the last straight leg is small, heading has gone with the bias."""
     bias = np.radians([0.0, 0.0, 0.1])
-    _, error = fly(native, flight, bias=bias, field_until=30.0)
+    got, error = fly(native, flight, bias=bias, field_until=30.0)
     assert np.max(np.abs(error["roll"][-100:])) < 1.0
     assert np.max(np.abs(error["heading"])) > 5.0
+    assert np.all(np.abs(error["heading"][10:]) < 3 * np.degrees(got["attitude.heading_sigma"][10:]))
 
 
 def test_nothing_is_valid_before_the_first_alignment(native, flight):
@@ -217,7 +354,6 @@ def test_nothing_is_valid_before_the_first_alignment(native, flight):
         valid.append(run.get("attitude.valid"))
         assert run.get("attitude.sequence") == k
     assert valid == [False] * 5 + [True] * 15
-    assert run.get("aiding") is True
     assert run.get("attitude.heading") == pytest.approx(wrap(flight["heading"][20]), abs=np.radians(0.1))
 
 
