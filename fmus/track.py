@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models import aircraft, attitude, gauss_markov, recorded_track
+from models import aircraft, atmosphere, attitude, gauss_markov, lags, recorded_track
 from navfmu.export import Component, Example, Input, Output, Parameter, State, Table, every, start
 
 _COLUMNS = (
@@ -31,10 +31,11 @@ class Track(Component):
 
         velocity    v_N = (M + h) latitude',  v_E = (N + h) cos(latitude) longitude',  v_D = -h'
 
-    and ground speed V, rate of turn omega, vertical speed w and their derivatives in closed form. Attitude, specific
-    force and angular rate follow from these by the equations of aircraft: nose on the flight path, coordinated turns,
-    crab angle into the wind through two first-order lags. All derivatives are analytic. Behind the last row the motion
-    goes on with constant rates of latitude, longitude and altitude.
+    with two derivatives in closed form. Attitude, specific force and angular rate follow from these by the equations
+    of aircraft: wind axes on the velocity relative to the wind, which is felt through two lags, coordinated turns, the
+    nose up by the angle of attack that the lift needs. All derivatives are analytic. There are no gusts: those that
+    the recording holds are in the motion. Behind the last row the motion goes on with constant rates of latitude,
+    longitude and altitude.
 
     `navfmu track FILE.csv --out NAME.fmu` writes this FMU with a flight of yours in its table; as built it holds two
     minutes of level flight.
@@ -49,8 +50,24 @@ class Track(Component):
 
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
 
+    wing_loading = Parameter(
+        "Pa",
+        start=1960.0,
+        min=0.0,
+        max=2e4,
+        description="weight over wing area, 1960 N/m2 for a twin of 5 to 6 t; 0: no angle of attack from lift",
+    )
+    lift_slope = Parameter("1", start=5.14, min=0.1, max=20.0, description="C_L_alpha per rad")
+    zero_lift_angle = Parameter(
+        "rad",
+        start=-0.0603,
+        min=-0.5,
+        max=0.5,
+        display_unit="deg",
+        description="angle of attack without lift, -C_L_0 / C_L_alpha",
+    )
     weathercock_time = Parameter(
-        "s", start=1.25, min=0.1, max=60.0, description="time constant of each of the two lags of the crab angle"
+        "s", start=1.25, min=0.1, max=60.0, description="time constant of each of the two lags of the wind"
     )
     update_period = Parameter("s", start=0.01, min=1e-4, max=1.0, description="period at which the motion is computed")
 
@@ -64,39 +81,47 @@ class Track(Component):
     specific_force = Output(3, "m/s2", description="specific force in body axes")
     rate = Output(3, "rad/s", display_unit="deg/s", description="rate with respect to inertial space, body axes")
 
+    air_velocity_n = Output(3, "m/s", display_unit="kn", description="velocity of the air over ground: the wind")
+    true_airspeed = Output("m/s", display_unit="kn", description="speed relative to the air")
+    angle_of_attack = Output("rad", display_unit="deg", description="of the air-relative velocity, positive from below")
+    sideslip = Output("rad", display_unit="deg", description="of the air-relative velocity, positive from the right")
+
     ground_track = State("rad", description="direction of motion over ground, continuous")
-    crab = State("rad", description="angle from track to heading")
-    crab_rate = State("rad/s", description="its rate")
-    crab_target = State("rad", description="angle from track to the air-relative velocity at the last tick")
-    weathercock_decay = State("1", description="exp(-T/tau) of the weathercock")
+    lift_length = State("m", description="2 wing_loading / (rho g C_L_alpha), rho at the first row")
+    felt_wind = State(3, "m/s", description="wind through two lags")
+    felt_wind_rate = State(3, "m/s2", description="its rate")
+    felt_wind_target = State(3, "m/s", description="wind at the last tick")
+    weathercock_decay = State("1", description="exp(-T/tau) of the lags of the wind")
 
     track = Table(columns=_COLUMNS, rows=_EXAMPLE)
 
     @start
     def begin(self):
         self.weathercock_decay = gauss_markov.decay(self.update_period, self.weathercock_time)
-        motion, speed, turn = self._motion()
-        self._publish(motion, speed, turn)
+        self.felt_wind = self.wind_n
+        self.felt_wind_target = self.wind_n
+        motion = self._motion()
+        height = atmosphere.geopotential(motion[2][0])
+        density = atmosphere.density(atmosphere.pressure(height), atmosphere.temperature(height))
+        self.lift_length = aircraft.lift_length(self.wing_loading, density, self.lift_slope)
+        self._publish(*motion)
 
     @every("update_period")
     def move(self):
-        motion, speed, turn = self._motion()
-        sine, cosine = motion[2][0] / speed[0], motion[1][0] / speed[0]
-        target = aircraft.desired_crab(sine, cosine, speed[0], self.wind_n)
-        self.crab, self.crab_rate = aircraft.weathercock(
-            self.crab,
-            self.crab_rate,
-            self.crab_target,
-            target,
+        self.felt_wind, self.felt_wind_rate = lags.follow(
+            self.felt_wind,
+            self.felt_wind_rate,
+            self.felt_wind_target,
+            self.wind_n,
             self.period,
             self.weathercock_time,
             self.weathercock_decay,
         )
-        self.crab_target = target
-        self._publish(motion, speed, turn)
+        self.felt_wind_target = self.wind_n
+        self._publish(*self._motion())
 
     def _motion(self):
-        """(Position and derivatives by axis, north, east), ground speed and rate of turn at this time."""
+        """Latitude, longitude and altitude with their derivatives at this time."""
         row, following = self.track.row, self.track.next_row
         derivatives = recorded_track.between(
             (row[1:4], row[4:7], row[7:10]),
@@ -104,26 +129,27 @@ class Track(Component):
             self.time - row[0],
             following[0] - row[0],
         )
-        axes = [tuple(derivative[axis] for derivative in derivatives) for axis in range(3)]
-        north, east = recorded_track.horizontal_motion(*axes)
-        return (axes, north, east), *recorded_track.ground_motion(north, east)
+        return [tuple(derivative[axis] for derivative in derivatives) for axis in range(3)]
 
-    def _publish(self, motion, speed, turn):
-        (latitude, longitude, altitude), north, east = motion
+    def _publish(self, latitude, longitude, altitude):
+        north, east = recorded_track.horizontal_motion(latitude, longitude, altitude)
+        velocity, acceleration, jerk = (np.array([north[i], east[i], -altitude[i + 1]]) for i in range(3))
+        speed = np.sqrt(north[0] * north[0] + east[0] * east[0])
         track = np.arctan2(east[0], north[0])
         self.ground_track = self.ground_track + attitude.wrap(track - self.ground_track)
         self.latitude = latitude[0]
         self.longitude = longitude[0]
         self.altitude = altitude[0]
-        self.heading = self.ground_track + self.crab
-        self.velocity_n, self.roll, self.pitch, self.specific_force, self.rate = aircraft.kinematics(
-            latitude[0],
-            altitude[0],
-            east[0] / speed[0],
-            north[0] / speed[0],
-            speed,
-            turn,
-            altitude[1:4],
-            self.crab,
-            self.crab_rate,
+        self.velocity_n = velocity
+        c_nb, rate_nb = aircraft.trimmed(
+            (velocity, acceleration),
+            (acceleration, jerk),
+            (self.felt_wind, self.felt_wind_rate),
+            (self.zero_lift_angle, self.lift_length),
         )
+        self.specific_force, self.rate = aircraft.inertial(
+            self.latitude, self.altitude, velocity, acceleration, c_nb, rate_nb
+        )
+        self.roll, self.pitch, self.heading = aircraft.euler(c_nb, self.ground_track, east[0] / speed, north[0] / speed)
+        self.air_velocity_n = self.wind_n
+        self.true_airspeed, self.angle_of_attack, self.sideslip = aircraft.flow(c_nb, velocity - self.wind_n)

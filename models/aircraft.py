@@ -5,20 +5,23 @@ vertical speed w go from the previous segment's values to its own along the smoo
 
     s(x) = 10 x^3 - 15 x^4 + 6 x^5,   x = (t - t_segment) / T,  held at 1 from x = 1 on,                         (1)
 
-whose duration T keeps roll rate and accelerations within limits. Everything else follows *without approximation*:
-track and altitude are integrals of (1) in closed form; velocity is V (cos, sin) of the track and -w; attitude is
-defined from these by closed formulas (below), so its rates, and from them the angular rate, are exact derivatives too:
+whose duration T keeps roll rate and accelerations within limits. Track and altitude are integrals of (1) in closed
+form.
 
-    tan(pitch) = w / V                                         the nose is on the flight path                     (2)
-    heading    = track + crab                                  crab: towards the air-relative velocity, (5)
-    tan(roll)  = (V omega cos(crab) - V' sin(crab)) / (g + w') the coordinated turn                               (3)
-    f^b        = C_bn (v'^n + (2 Omega_e + rho) x v^n - g^n)   thesis (A.1)                                       (4)
+Two things are added to the planned motion, in n: what the pilot lets the aircraft wander (``models.wander``), which is
+flown like the plan itself, and how gusts carry it away (``models.turbulence``), which the attitude does not follow.
+*Steered* is the motion without the gusts, with the climb and the bank by which the pilot flies back to the path.
 
-The ground trajectory follows the plan whatever the wind. The crab angle c follows the angle c_a between the
-air-relative velocity and the track through two equal lags, tau^2 c'' + 2 tau c' + c = c_a, so that the yaw rate stays
-continuous in a stepping wind; between ticks c_a is taken as linear and (5) is its exact solution.                  (5)
+The attitude is defined from the steered motion by closed formulas, so its rates are exact derivatives. With the
+velocity v - W relative to the air that the pilot has got used to (W: the wind through two equal lags):
 
-All functions are element by element in time: scalars inside the FMU, arrays in ``flight_plan``.
+    heading and climb of the wind axes: those of v - W                                                            (2)
+    tan(bank) = (acceleration across v - W) / (g + vertical acceleration)     the coordinated turn                (3)
+    alpha = alpha_0 + 2 (G/S) n / (rho |v - W|^2 C_L_alpha)      nose up, for the load factor n of (3)           (4)
+    f^b = C_bn (v'^n + (2 Omega_e + rho) x v^n - g^n)            thesis (A.1), all of the motion                  (5)
+
+The ground trajectory does not depend on the wind. All functions are element by element in time: scalars inside the FMU,
+arrays in ``flight_plan``.
 """
 
 from __future__ import annotations
@@ -124,26 +127,6 @@ def fits(duration, turn_rate, vertical_speed, speed, initial, limits, grid):
     return np.where(inside, plan["end"] - plan["begin"] >= longest, True)
 
 
-def desired_crab(track_sine, track_cosine, speed, wind_n):
-    """Angle from the ground track to the air-relative velocity v_ground - wind, rad, at most 60 degrees."""
-    along = wind_n[0] * track_cosine + wind_n[1] * track_sine
-    across = wind_n[1] * track_cosine - wind_n[0] * track_sine
-    return np.clip(np.arctan2(-across, speed - along), -np.pi / 3.0, np.pi / 3.0)
-
-
-def weathercock(crab, crab_rate, old_target, new_target, period, time_constant, decay):
-    """Crab angle and its rate one period later, the exact solution of (5); decay = exp(-period / tau)."""
-    slope = (new_target - old_target) / period
-    lag = 2.0 * time_constant * slope
-    error = crab - old_target + lag
-    error_rate = crab_rate - slope
-    inverse = 1.0 / time_constant
-    return (
-        new_target - lag + decay * (error + period * (error_rate + inverse * error)),
-        slope + decay * (error_rate - period * inverse * (error_rate + inverse * error)),
-    )
-
-
 def turned(sine, cosine, angle):
     """Sine and cosine of an angle enlarged by a small one, below 0.1 rad to 1e-12."""
     a2 = angle * angle
@@ -163,53 +146,109 @@ def move(latitude, longitude, altitude, velocity_n, middle_velocity_n, next_velo
     return latitude + step, longitude + period * east / ((east_west + middle_altitude) * middle_cosine)
 
 
-def kinematics(latitude, altitude, track_sine, track_cosine, speed, turn_rate, climb, crab, crab_rate):
-    """Attitude, angular rate and specific force from the motion.
+def planned(track_sine, track_cosine, speed, turn, climb):
+    """Velocity, acceleration and jerk of the plan, n.
 
     Parameters
     ----------
     speed, climb
         Ground speed and vertical speed upward with their first and second derivatives, (m/s, m/s2, m/s3).
-    turn_rate
+    turn
         Rate of the ground track and its derivative, (rad/s, rad/s2).
+    """
+    v, v1, v2 = speed
+    omega, omega1 = turn
+
+    def north_east_down(along, across, up):
+        return np.array([along * track_cosine - across * track_sine, along * track_sine + across * track_cosine, -up])
+
+    return (
+        north_east_down(v, 0.0 * v, climb[0]),
+        north_east_down(v1, v * omega, climb[1]),
+        north_east_down(v2 - v * omega * omega, 2.0 * v1 * omega + v * omega1, climb[2]),
+    )
+
+
+def lift_length(wing_loading, density, lift_slope):
+    """2 (G/S) / (rho g C_L_alpha), m: alpha - alpha_0 = this times the lift per mass over the squared airspeed."""
+    return 2.0 * wing_loading / (density * earth.STANDARD_GRAVITY * lift_slope)
+
+
+def trimmed(velocity, turning, air, lift):
+    """Attitude and its rate from the steered motion, (2)-(4).
+
+    Parameters
+    ----------
+    velocity
+        Steered velocity and its derivative in n, (m/s, m/s2).
+    turning
+        Acceleration for which the aircraft banks, and its derivative in n, (m/s2, m/s3).
+    air
+        W, velocity of the air over ground, and its derivative in n, (m/s, m/s2).
+    lift
+        alpha_0 and ``lift_length``, (rad, m).
 
     Returns
     -------
-    velocity_n, roll, pitch, specific force in b, rate of b with respect to inertial space in b
+    C_nb, and the rate of b with respect to n in b, rad/s
     """
-    v, v1, v2 = speed
-    omega, omega1 = turn_rate
-    w, w1, w2 = climb
-    velocity_n = np.array([v * track_cosine, v * track_sine, -w])
+    u, u1 = velocity[0] - air[0], velocity[1] - air[1]
+    across2 = np.maximum(u[0] * u[0] + u[1] * u[1], 1.0)
+    across = np.sqrt(across2)
+    across_rate = (u[0] * u1[0] + u[1] * u1[1]) / across
+    course_sine, course_cosine = u[1] / across, u[0] / across
+    course_rate = (u[0] * u1[1] - u[1] * u1[0]) / across2
+    climb_tangent = -u[2] / across
+    climb_cosine = 1.0 / np.sqrt(1.0 + climb_tangent * climb_tangent)
+    climb_sine = climb_tangent * climb_cosine
+    climb_rate = climb_cosine * climb_cosine * (-u1[2] - climb_tangent * across_rate) / across
 
-    crab_sine, crab_cosine = np.sin(crab), np.cos(crab)
-    centripetal = v * omega
-    forward = v1 * crab_cosine + centripetal * crab_sine
-    sideward = centripetal * crab_cosine - v1 * crab_sine
-    sideward_rate = (v1 * omega + v * omega1) * crab_cosine - v2 * crab_sine - crab_rate * forward
-    weight = earth.STANDARD_GRAVITY + w1
-    roll_tangent = sideward / weight
-    roll_cosine = 1.0 / np.sqrt(1.0 + roll_tangent * roll_tangent)
-    roll_sine = roll_tangent * roll_cosine
-    roll_rate = roll_cosine * roll_cosine * (sideward_rate - roll_tangent * w2) / weight
+    acceleration, jerk = turning
+    forward = acceleration[0] * course_cosine + acceleration[1] * course_sine
+    sideward = acceleration[1] * course_cosine - acceleration[0] * course_sine
+    sideward_rate = jerk[1] * course_cosine - jerk[0] * course_sine - course_rate * forward
+    weight = earth.STANDARD_GRAVITY - acceleration[2]
+    bank_tangent = sideward / weight
+    bank_cosine = 1.0 / np.sqrt(1.0 + bank_tangent * bank_tangent)
+    bank_sine = bank_tangent * bank_cosine
+    bank_rate = bank_cosine * bank_cosine * (sideward_rate + bank_tangent * jerk[2]) / weight
 
-    pitch_tangent = w / v
-    pitch_cosine = 1.0 / np.sqrt(1.0 + pitch_tangent * pitch_tangent)
-    pitch_sine = pitch_tangent * pitch_cosine
-    pitch_rate = pitch_cosine * pitch_cosine * (w1 - pitch_tangent * v1) / v
+    zero_lift_angle, lift_length = lift
+    airspeed2 = across2 + u[2] * u[2]
+    lifting = weight / bank_cosine
+    lifting_rate = (sideward * sideward_rate - weight * jerk[2]) / lifting
+    incidence = lift_length * lifting / airspeed2
+    alpha = zero_lift_angle + incidence
+    alpha_rate = (lift_length * lifting_rate - 2.0 * incidence * (across * across_rate + u[2] * u1[2])) / airspeed2
+    sine, cosine = np.sin(alpha), np.cos(alpha)
+    c_wb = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    c_nw = attitude.dcm_from_sines(bank_sine, bank_cosine, climb_sine, climb_cosine, course_sine, course_cosine)
+    rate_w = attitude.body_rate(bank_rate, climb_rate, course_rate, bank_sine, bank_cosine, climb_sine, climb_cosine)
+    return c_nw @ c_wb, c_wb.T @ rate_w + alpha_rate * np.array([0.0, 1.0, 0.0])
 
-    heading_sine = track_sine * crab_cosine + track_cosine * crab_sine
-    heading_cosine = track_cosine * crab_cosine - track_sine * crab_sine
-    c_bn = attitude.dcm_from_sines(roll_sine, roll_cosine, pitch_sine, pitch_cosine, heading_sine, heading_cosine).T
 
-    acceleration = np.array(
-        [v1 * track_cosine - centripetal * track_sine, v1 * track_sine + centripetal * track_cosine, -w1]
-    )
+def inertial(latitude, altitude, velocity_n, acceleration_n, c_nb, rate_nb):
+    """Specific force and rate of b with respect to inertial space, both in b: (5) and its counterpart for the rate."""
     earth_rate = earth.earth_rate(latitude)
     transport = earth.transport_rate(latitude, altitude, velocity_n)
     down = earth.gravity(latitude, altitude)
-    force_n = acceleration + np.cross(2.0 * earth_rate + transport, velocity_n) - np.array([0.0, 0.0, 1.0]) * down
-    rate = c_bn @ (earth_rate + transport) + attitude.body_rate(
-        roll_rate, pitch_rate, omega + crab_rate, roll_sine, roll_cosine, pitch_sine, pitch_cosine
-    )
-    return velocity_n, np.arctan(roll_tangent), np.arctan(pitch_tangent), c_bn @ force_n, rate
+    force_n = acceleration_n + np.cross(2.0 * earth_rate + transport, velocity_n) - np.array([0.0, 0.0, 1.0]) * down
+    return c_nb.T @ force_n, c_nb.T @ (earth_rate + transport) + rate_nb
+
+
+def euler(c_nb, track, track_sine, track_cosine):
+    """Roll, pitch, and the heading that is within pi of the track (so it is continuous where the track is), rad."""
+    roll, pitch, _ = attitude.euler(c_nb)
+    north, east = c_nb[0, 0], c_nb[1, 0]
+    crab = np.arctan2(east * track_cosine - north * track_sine, north * track_cosine + east * track_sine)
+    return roll, pitch, track + crab
+
+
+def flow(c_nb, relative_n):
+    """True airspeed (m/s), angle of attack and sideslip (rad) of the velocity relative to the air, n.
+
+    alpha = atan(w / u), beta = asin(v / V) of its components u, v, w in b.
+    """
+    forward, right, down = c_nb.T @ relative_n
+    airspeed = np.sqrt(forward * forward + right * right + down * down)
+    return airspeed, np.arctan2(down, forward), np.arcsin(np.clip(right / np.maximum(airspeed, 1e-3), -1.0, 1.0))

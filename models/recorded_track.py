@@ -1,9 +1,9 @@
 """Motion along a recorded track: polynomials between rows of position, velocity, acceleration; their derivatives.
 
 Latitude, longitude and altitude are polynomials of degree five in time between two rows, set by value, first and
-second derivative at both. They are the flight, without approximation; ground speed, rate of turn and vertical speed,
-and the derivatives of these that the attitude rates need, follow from them in closed form, so specific force and
-angular rate are exact derivatives of velocity and attitude.
+second derivative at both. They are the flight, without approximation; velocity, acceleration and jerk, which the
+attitude rates need, follow from them in closed form, so specific force and angular rate are exact derivatives of
+velocity and attitude.
 """
 
 from __future__ import annotations
@@ -70,15 +70,3 @@ def horizontal_motion(latitude, longitude, altitude):
     north = (m * phi1, m * phi2 + m1 * phi1, m * phi3 + 2.0 * m1 * phi2 + m2 * phi1)
     east = (p * lam1, p * lam2 + p1 * lam1, p * lam3 + 2.0 * p1 * lam2 + p2 * lam1)
     return north, east
-
-
-def ground_motion(north, east):
-    """Ground speed with two derivatives and rate of turn with one, from north and east velocity with two."""
-    vn, an, jn = north
-    ve, ae, je = east
-    speed = np.sqrt(vn * vn + ve * ve)
-    speed1 = (vn * an + ve * ae) / speed
-    speed2 = (an * an + ae * ae + vn * jn + ve * je - speed1 * speed1) / speed
-    turn = (vn * ae - ve * an) / (speed * speed)
-    turn1 = (vn * je - ve * jn) / (speed * speed) - 2.0 * speed1 * turn / speed
-    return (speed, speed1, speed2), (turn, turn1)

@@ -73,7 +73,7 @@ def connect(system: SystemSource) -> None:
     system.connect("aircraft.specific_force", "imu.specific_force")
     system.connect("aircraft.rate", "imu.rate")
     system.connect("wind.wind_n", "aircraft.wind_n")
-    system.connect("wind.wind_n", "air_data.wind_n")
+    system.connect("aircraft.air_velocity_n", "air_data.wind_n")
     system.connect("imu.reading", "ahrs.imu")
     system.connect("magnetometer.field", "ahrs.field")
     system.connect("air_data.air", "ahrs.air")
