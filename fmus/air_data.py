@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus.grades import AIR_DATA
 from models import air_data, atmosphere, gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
@@ -22,7 +23,12 @@ class AirData(Component):
         h   = h_p + dh                                            (3.34), p. 65
 
     dV and dh are first-order Gauss-Markov: 2.6 m/s (5 kn), 400 s (3.32)-(3.33); 23 m (75 ft), 400 s (3.34). They
-    start in their stationary distributions. dV_w is white, zero in the thesis (1 m/s in its source).
+    start in their stationary distributions. dV_w is white, zero in the thesis (1 m/s in its source). The transducer
+    shows the difference of pressures as (1 + pitot coefficient) (p_t - p) + offset; these two and the error of the
+    temperature probe are constant, each a given value plus one drawn at turn-on.
+
+    A pitot tube takes the total pressure of an oblique flow, too (to within 1 % up to 10 degrees), so angle of attack
+    and sideslip do not enter.
 
     A blocked port keeps the pressure it had; one that is blocked before the first sample keeps that of the first
     sample. Blocked pitot tube: the airspeed does not answer to speed and rises in a climb. Blocked static port: the
@@ -46,7 +52,7 @@ class AirData(Component):
 
     airspeed_error_sigma = Parameter(
         "m/s",
-        start=2.6,
+        start=AIR_DATA["airspeed_error_sigma"],
         min=0.0,
         display_unit="kn",
         description="standard deviation of the airspeed error, thesis (3.32): 2.6 m/s (5 kn)",
@@ -63,7 +69,7 @@ class AirData(Component):
     )
     altitude_error_sigma = Parameter(
         "m",
-        start=23.0,
+        start=AIR_DATA["altitude_error_sigma"],
         min=0.0,
         display_unit="ft",
         description="standard deviation of the altitude error, thesis (3.34): 23 m (75 ft)",
@@ -71,8 +77,43 @@ class AirData(Component):
     altitude_error_time = Parameter(
         "s", start=400.0, min=1.0, description="correlation time of the altitude error, thesis (3.34): 400 s"
     )
+    pitot_coefficient = Parameter(
+        "1",
+        start=0.0,
+        min=-0.5,
+        max=0.5,
+        description="given part of the error of the difference of pressures, relative",
+    )
+    pitot_coefficient_sigma = Parameter(
+        "1",
+        start=AIR_DATA["pitot_coefficient_sigma"],
+        min=0.0,
+        max=0.1,
+        description="standard deviation of the part that is drawn at turn-on; 2 % is 1 % of the airspeed",
+    )
+    pressure_offset = Parameter(
+        "Pa",
+        start=0.0,
+        min=-1e3,
+        max=1e3,
+        description="given part of the error of the difference of pressures, absolute",
+    )
+    pressure_offset_sigma = Parameter(
+        "Pa",
+        start=AIR_DATA["pressure_offset_sigma"],
+        min=0.0,
+        max=1e3,
+        description="standard deviation of the part that is drawn at turn-on",
+    )
     temperature_error = Parameter(
-        "K", start=0.0, min=-50.0, max=50.0, description="constant error of the temperature probe"
+        "K", start=0.0, min=-50.0, max=50.0, description="given part of the error of the temperature probe"
+    )
+    temperature_error_sigma = Parameter(
+        "K",
+        start=AIR_DATA["temperature_error_sigma"],
+        min=0.0,
+        max=20.0,
+        description="standard deviation of the part that is drawn at turn-on",
     )
     temperature_deviation = Parameter(
         "K", start=0.0, min=-60.0, max=60.0, description="temperature of the day minus the standard one, at all heights"
@@ -103,6 +144,9 @@ class AirData(Component):
     sampled = State(kind="boolean", description="there has been a sample, whose pressures a blocked port keeps")
     static_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the static port")
     total_pressure = State("Pa", start=atmosphere.PRESSURE, display_unit="hPa", description="behind the pitot tube")
+    pitot_gain_error = State("1", description="relative error of the difference of pressures")
+    pressure_bias = State("Pa", description="absolute error of the difference of pressures")
+    temperature_bias = State("K", description="error of the temperature probe")
     airspeed_error = State("m/s", description="Gauss-Markov error of the airspeed")
     altitude_error = State("m", description="Gauss-Markov error of the altitude")
     airspeed_decay = State("1", description="exp(-T/tau) of the airspeed error")
@@ -112,7 +156,10 @@ class AirData(Component):
 
     @start
     def turn_on(self, noise):
-        n = noise(2)
+        n = noise(5)
+        self.pitot_gain_error = self.pitot_coefficient + self.pitot_coefficient_sigma * n[2]
+        self.pressure_bias = self.pressure_offset + self.pressure_offset_sigma * n[3]
+        self.temperature_bias = self.temperature_error + self.temperature_error_sigma * n[4]
         self.airspeed_error = gauss_markov.stationary(self.airspeed_error_sigma, n[0])
         self.altitude_error = gauss_markov.stationary(self.altitude_error_sigma, n[1])
         self.airspeed_decay = gauss_markov.decay(self.sample_period, self.airspeed_error_time)
@@ -137,9 +184,12 @@ class AirData(Component):
         self.total_pressure = air_data.trapped(total, self.total_pressure, self.sampled & self.pitot_blocked)
         self.sampled = True
 
-        calibrated = air_data.calibrated_airspeed(self.static_pressure, self.total_pressure)
+        difference = air_data.sensed(
+            self.total_pressure - self.static_pressure, self.pitot_gain_error, self.pressure_bias
+        )
+        calibrated = air_data.calibrated_airspeed(difference)
         indicated = np.maximum(calibrated + self.airspeed_error + self.airspeed_noise_sigma * n[2], 0.0)
-        measured_temperature = temperature + self.temperature_error
+        measured_temperature = temperature + self.temperature_bias
         self.air.publish(
             calibrated_airspeed=indicated,
             true_airspeed=air_data.true_airspeed(indicated, self.static_pressure, measured_temperature),

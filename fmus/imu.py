@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fmus.grades import GRADES
-from models import gauss_markov, inertial
+from models import attitude, gauss_markov, inertial
 from models.earth import STANDARD_GRAVITY
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
@@ -17,16 +17,20 @@ class Imu(Component):
 
         s_m = (1 + s_f) s_t + b_0 + b_1(t) + b_w(t)
 
+    s_t   true value in the sensors' axes, C_m times that in body axes, C_m = I - [misalignment x] as in (3.29)
     s_f   scale factor error
-    b_0   null shift: a given value plus one drawn at turn-on, constant in the run
+    b_0   null shift, constant in the run
     b_1   drift: first-order Gauss-Markov, db/dt = -b/tau + w, Q_w = 2 sigma^2/tau, (3.4)-(3.5); it starts in its
           stationary distribution and is advanced exactly, b <- phi b + sigma sqrt(1 - phi^2) n, phi = exp(-T/tau),
           every drift_period T, and held in between
     b_w   wide-band noise: one independent normal number per sample. Its sigma is that of a *sample*: the angle random
           walk it causes is sigma sqrt(sample_period) per root second, (B.10)
 
+    Misalignment, scale factors and null shifts are each a given value plus one drawn at turn-on.
+
     The start values are the automotive grade of Table 3.2 (p. 56), which is the Crossbow DMU-6X of Table 3.1:
-    gyros 180 deg/h, 300 s, 0.05 deg/s; accelerometers 1.2 mg, 100 s, 1 mg.
+    gyros 180 deg/h, 300 s, 0.05 deg/s; accelerometers 1.2 mg, 100 s, 1 mg. What is drawn at turn-on is of units of this
+    class: gyros 0.1 deg/s and 0.75 %, accelerometers 5 mg and 0.5 %, mounting 0.25 degrees.
 
     Inputs and outputs are in body axes, forward, right, down. The specific force at rest is (0, 0, -g).
     """
@@ -34,8 +38,8 @@ class Imu(Component):
     name = "imu"
     example = Example(
         steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)},
-        text="The readings step with the truth, offset by the drift of each axis (up to tenths of a degree per second "
-        "with the gyros of this grade, a milli-g with the accelerometers) and under wide-band noise.",
+        text="The readings step with the truth, offset by null shift and drift of each axis (tenths of a degree per "
+        "second with the gyros of this grade, some milli-g with the accelerometers) and under wide-band noise.",
     )
 
     specific_force = Input(
@@ -43,8 +47,39 @@ class Imu(Component):
     )
     rate = Input(3, "rad/s", display_unit="deg/s", description="true rate with respect to inertial space, body axes")
 
+    misalignment = Parameter(
+        3,
+        "rad",
+        start=0.0,
+        min=-0.2,
+        max=0.2,
+        display_unit="deg",
+        description="given part of the rotation of the sensors about the body axes",
+    )
+    misalignment_sigma = Parameter(
+        3,
+        "rad",
+        start=_DEFAULT["misalignment_sigma"],
+        min=0.0,
+        max=0.05,
+        display_unit="deg",
+        description="standard deviation of the part of that rotation that is drawn at turn-on",
+    )
     gyro_scale_factor = Parameter(
-        3, "1", start=0.0, min=-0.5, max=0.5, description="scale factor error of the gyros, s_f of thesis (3.2)"
+        3,
+        "1",
+        start=0.0,
+        min=-0.5,
+        max=0.5,
+        description="given part of the scale factor error of the gyros, s_f of thesis (3.2)",
+    )
+    gyro_scale_factor_sigma = Parameter(
+        3,
+        "1",
+        start=_DEFAULT["gyro_scale_factor_sigma"],
+        min=0.0,
+        max=0.1,
+        description="standard deviation of the part of the gyros' scale factor error that is drawn at turn-on",
     )
     gyro_null_shift = Parameter(
         3, "rad/s", start=0.0, display_unit="deg/h", description="given part of the gyros' null shift, b_0 of (3.3)"
@@ -52,7 +87,7 @@ class Imu(Component):
     gyro_null_shift_sigma = Parameter(
         3,
         "rad/s",
-        start=0.0,
+        start=_DEFAULT["gyro_null_shift_sigma"],
         min=0.0,
         display_unit="deg/h",
         description="standard deviation of the part of the gyros' null shift that is drawn at turn-on",
@@ -80,7 +115,20 @@ class Imu(Component):
         description="wide-band noise of the gyros per sample, thesis Table 3.2: 0.05 deg/s (automotive)",
     )
     accelerometer_scale_factor = Parameter(
-        3, "1", start=0.0, min=-0.5, max=0.5, description="scale factor error of the accelerometers, s_f of (3.2)"
+        3,
+        "1",
+        start=0.0,
+        min=-0.5,
+        max=0.5,
+        description="given part of the scale factor error of the accelerometers, s_f of (3.2)",
+    )
+    accelerometer_scale_factor_sigma = Parameter(
+        3,
+        "1",
+        start=_DEFAULT["accelerometer_scale_factor_sigma"],
+        min=0.0,
+        max=0.1,
+        description="standard deviation of the part of the accelerometers' scale factor error that is drawn at turn-on",
     )
     accelerometer_null_shift = Parameter(
         3,
@@ -92,7 +140,7 @@ class Imu(Component):
     accelerometer_null_shift_sigma = Parameter(
         3,
         "m/s2",
-        start=0.0,
+        start=_DEFAULT["accelerometer_null_shift_sigma"],
         min=0.0,
         display_unit="mg",
         description="standard deviation of the part of the accelerometers' null shift that is drawn at turn-on",
@@ -130,6 +178,9 @@ class Imu(Component):
         description="measurement",
     )
 
+    mounting = State((3, 3), "1", description="C_m")
+    gyro_gain_error = State(3, "1", description="scale factor error of the gyros, s_f")
+    accelerometer_gain_error = State(3, "1", description="scale factor error of the accelerometers, s_f")
     gyro_bias = State(3, "rad/s", description="null shift of the gyros after turn-on, b_0")
     gyro_drift = State(3, "rad/s", description="drift of the gyros, b_1")
     gyro_decay = State("1", description="exp(-T/tau) of the gyros' drift")
@@ -141,7 +192,13 @@ class Imu(Component):
 
     @start
     def turn_on(self, noise):
-        n = noise(12)
+        n = noise(21)
+        rotation = self.misalignment + self.misalignment_sigma * n[12:15]
+        self.mounting = attitude.mounting(rotation)
+        self.gyro_gain_error = self.gyro_scale_factor + self.gyro_scale_factor_sigma * n[15:18]
+        self.accelerometer_gain_error = (
+            self.accelerometer_scale_factor + self.accelerometer_scale_factor_sigma * n[18:21]
+        )
         self.gyro_bias = self.gyro_null_shift + self.gyro_null_shift_sigma * n[0:3]
         self.accelerometer_bias = self.accelerometer_null_shift + self.accelerometer_null_shift_sigma * n[3:6]
         self.gyro_drift = gauss_markov.stationary(self.gyro_drift_sigma, n[6:9])
@@ -164,11 +221,15 @@ class Imu(Component):
         n = noise(6)
         self.reading.publish(
             rate=inertial.sense(
-                self.rate, self.gyro_scale_factor, self.gyro_bias, self.gyro_drift, self.gyro_noise_sigma * n[0:3]
+                self.mounting @ self.rate,
+                self.gyro_gain_error,
+                self.gyro_bias,
+                self.gyro_drift,
+                self.gyro_noise_sigma * n[0:3],
             ),
             specific_force=inertial.sense(
-                self.specific_force,
-                self.accelerometer_scale_factor,
+                self.mounting @ self.specific_force,
+                self.accelerometer_gain_error,
                 self.accelerometer_bias,
                 self.accelerometer_drift,
                 self.accelerometer_noise_sigma * n[3:6],

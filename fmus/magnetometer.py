@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus.grades import MAGNETOMETER
 from models import attitude, magnetic_field, magnetometer
-from models.magnetometer import MILLIGAUSS
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 
@@ -18,11 +18,12 @@ class Magnetometer(Component):
 
         B_m = C_m C_sf C_si (B^b + dB^b) + noise
 
-    dB^b  hard iron: a given value, plus one drawn at turn-on (what a calibration leaves), plus the fault input
+    dB^b  hard iron, and the fault input
     C_si  = I + soft_iron
     C_sf  = I + diag(scale_factor)
     C_m   = I - [misalignment x], (3.29)
 
+    Each error is a given value plus one drawn at turn-on, which is what a calibration leaves.
     Calibrated triads were left with 4 to 7 mG, which is up to 2.5 degrees of heading (section 3.11, Figs 3.27, 3.30);
     noise is 1 to 5 mG (Table 3.3). The first sample follows the first computation of the field, at field_period.
     """
@@ -53,16 +54,41 @@ class Magnetometer(Component):
     hard_iron_sigma = Parameter(
         3,
         "T",
-        start=5.0 * MILLIGAUSS,
+        start=MAGNETOMETER["hard_iron_sigma"],
         min=0.0,
         display_unit="mG",
         description="standard deviation of the hard iron left by the calibration, thesis Fig 3.27: 4 to 7 mG",
     )
     soft_iron = Parameter(
-        (3, 3), "1", start=0.0, min=-0.9, max=10.0, description="soft iron, C_si - I of thesis (3.28), body axes"
+        (3, 3),
+        "1",
+        start=0.0,
+        min=-0.9,
+        max=10.0,
+        description="given part of the soft iron, C_si - I of thesis (3.28), body axes",
+    )
+    soft_iron_sigma = Parameter(
+        "1",
+        start=MAGNETOMETER["soft_iron_sigma"],
+        min=0.0,
+        max=0.1,
+        description="standard deviation of each element of the soft iron left by the calibration",
     )
     scale_factor = Parameter(
-        3, "1", start=0.0, min=-0.9, max=10.0, description="scale factor errors, the diagonal of C_sf - I of (3.28)"
+        3,
+        "1",
+        start=0.0,
+        min=-0.9,
+        max=10.0,
+        description="given part of the scale factor errors, the diagonal of C_sf - I of (3.28)",
+    )
+    scale_factor_sigma = Parameter(
+        3,
+        "1",
+        start=MAGNETOMETER["scale_factor_sigma"],
+        min=0.0,
+        max=0.1,
+        description="standard deviation of the scale factor errors left by the calibration",
     )
     misalignment = Parameter(
         3,
@@ -71,12 +97,21 @@ class Magnetometer(Component):
         min=-0.2,
         max=0.2,
         display_unit="deg",
-        description="rotation of the triad about the body axes, thesis (3.29)",
+        description="given part of the rotation of the triad about the body axes, thesis (3.29)",
+    )
+    misalignment_sigma = Parameter(
+        3,
+        "rad",
+        start=MAGNETOMETER["misalignment_sigma"],
+        min=0.0,
+        max=0.05,
+        display_unit="deg",
+        description="standard deviation of the part of that rotation that is drawn at turn-on",
     )
     noise_sigma = Parameter(
         3,
         "T",
-        start=5.0 * MILLIGAUSS,
+        start=MAGNETOMETER["noise_sigma"],
         min=0.0,
         display_unit="mG",
         description="wide-band noise per sample, thesis Table 3.3: 1 to 5 mG",
@@ -102,8 +137,13 @@ class Magnetometer(Component):
 
     @start
     def turn_on(self, noise):
-        self.hard_iron_b = self.hard_iron + self.hard_iron_sigma * noise(3)
-        self.distortion = magnetometer.distortion(self.soft_iron, self.scale_factor, self.misalignment)
+        n = noise(18)
+        self.hard_iron_b = self.hard_iron + self.hard_iron_sigma * n[0:3]
+        self.distortion = magnetometer.distortion(
+            self.soft_iron + self.soft_iron_sigma * n[3:12].reshape(3, 3),
+            self.scale_factor + self.scale_factor_sigma * n[12:15],
+            self.misalignment + self.misalignment_sigma * n[15:18],
+        )
 
     @every("field_period")
     def compute_field(self):

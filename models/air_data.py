@@ -42,9 +42,14 @@ def trapped(pressure, previous, blocked):
     return np.where(blocked, previous, pressure)
 
 
-def calibrated_airspeed(static, total):
-    """Airspeed that gives this q_c at sea level in the standard atmosphere, m/s."""
-    return atmosphere.SPEED_OF_SOUND * mach((total - static) / atmosphere.PRESSURE)
+def sensed(difference, gain_error, offset):
+    """Difference of pressures as the transducer shows it, Pa."""
+    return (1.0 + gain_error) * difference + offset
+
+
+def calibrated_airspeed(difference):
+    """Airspeed that gives this q_c (Pa) at sea level in the standard atmosphere, m/s."""
+    return atmosphere.SPEED_OF_SOUND * mach(difference / atmosphere.PRESSURE)
 
 
 def true_airspeed(calibrated, static, temperature):

@@ -66,6 +66,11 @@ def skew(v):
     return np.array([[0.0 * v[0], -v[2], v[1]], [v[2], 0.0 * v[0], -v[0]], [-v[1], v[0], 0.0 * v[0]]])
 
 
+def mounting(rotation):
+    """C_m = I - [rotation x], thesis (3.29): body axes to those of an instrument turned by small angles, rad."""
+    return np.eye(3) - skew(rotation)
+
+
 def wrap(angle):
     """The angle in [-pi, pi)."""
     return angle - 2.0 * np.pi * np.floor((angle + np.pi) / (2.0 * np.pi))

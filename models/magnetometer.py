@@ -29,8 +29,8 @@ def distortion(soft_iron, scale_factor, misalignment):
     misalignment
         Small rotation of the triad against b about the three axes, rad; C_m = I - [misalignment x], thesis (3.29).
     """
-    unit = np.eye(3)
-    return (unit - attitude.skew(misalignment)) @ ((unit + soft_iron) * (1.0 + np.reshape(scale_factor, (3, 1))))
+    gained = (np.eye(3) + soft_iron) * (1.0 + np.reshape(scale_factor, (3, 1)))
+    return attitude.mounting(misalignment) @ gained
 
 
 def sense(field_b, hard_iron, distortion, noise):

@@ -5,10 +5,12 @@ import pytest
 from scipy import stats
 
 from fmus.air_data import AirData
+from fmus.grades import AIR_DATA
 from models import air_data, atmosphere
 from tests.models.native import Native, interpret
 
-QUIET = {"airspeed_error_sigma": 0.0, "altitude_error_sigma": 0.0}
+CALIBRATED = {"pitot_coefficient_sigma": 0.0, "pressure_offset_sigma": 0.0, "temperature_error_sigma": 0.0}
+QUIET = {**CALIBRATED, "airspeed_error_sigma": 0.0, "altitude_error_sigma": 0.0}
 KNOT, FOOT = 1852.0 / 3600.0, 0.3048
 
 
@@ -56,7 +58,7 @@ def test_calibrated_airspeed_has_the_published_value():
     """Mach 0.8 at the tropopause: impact pressure ratio 0.52434 (isentropic tables), calibrated airspeed 265 kn."""
     assert air_data.impact_ratio(0.8) == pytest.approx(0.52434, abs=1e-5)
     static = atmosphere.pressure(11000.0)
-    calibrated = air_data.calibrated_airspeed(static, static * 1.52434)
+    calibrated = air_data.calibrated_airspeed(static * 0.52434)
     # by hand: q_c = 11866.9 Pa, q_c/p_0 = 0.117117, M = sqrt(5 (1.117117^(2/7) - 1)) = 0.400933
     assert calibrated == pytest.approx(0.400933 * 340.294, rel=1e-5)
     assert calibrated / KNOT == pytest.approx(265.2, abs=0.1)
@@ -107,7 +109,7 @@ def test_errors_have_the_sigma_and_time_of_the_thesis(tmp_path):
     clean = native.run(0.1, 0.1, record, QUIET, lambda t: inputs)
     count, errors = 300, []
     for seed in range(count):
-        run = native.run(400.0, 200.0, record, {"seed": seed}, lambda t: inputs)
+        run = native.run(400.0, 200.0, record, {**CALIBRATED, "seed": seed}, lambda t: inputs)
         errors.append([[run[name][k] - clean[name][-1] for name in record] for k in (1, 2)])
     errors = np.array(errors)
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], count) / count
@@ -117,6 +119,38 @@ def test_errors_have_the_sigma_and_time_of_the_thesis(tmp_path):
         r = np.corrcoef(errors[:, 0, column], errors[:, 1, column])[0, 1]
         assert abs(np.arctanh(r) - np.arctanh(np.exp(-0.5))) < 4.9 / np.sqrt(count - 3)
     assert abs(np.arctanh(np.corrcoef(errors[:, 0, 0], errors[:, 0, 1])[0, 1])) < 4.9 / np.sqrt(count - 3)
+
+
+def test_turn_on_errors_have_their_sigma(tmp_path):
+    """400 turn-ons at two airspeeds and a temperature: gain and zero of the transducer, and the probe; bounds at 1e-6.
+
+    A default of zero, an error that is drawn anew while flying or one number for all three fail.
+    """
+    native = Native(AirData, tmp_path)
+    record = ["air.calibrated_airspeed", "air.temperature"]
+    silent = {"airspeed_error_sigma": 0.0, "altitude_error_sigma": 0.0}
+
+    def difference(airspeed):
+        return 101325.0 * ((1.0 + (airspeed / 340.294) ** 2 / 5.0) ** 3.5 - 1.0)
+
+    def fly(parameters):
+        slow = {"altitude": 500.0, "velocity_n": (30.0, 0.0, 0.0)}
+        fast = {"velocity_n": (60.0, 0.0, 0.0)}
+        run = native.run(0.3, 0.1, record, {**silent, **parameters}, lambda t: slow if t < 0.05 else fast)
+        assert run["air.calibrated_airspeed"][2] == run["air.calibrated_airspeed"][3]
+        return *difference(run["air.calibrated_airspeed"][1:3]), run["air.temperature"][1]
+
+    slow, fast, temperature = fly(CALIBRATED)
+    found = np.array([fly({"seed": seed}) for seed in range(400)])
+    gains = (found[:, 1] - found[:, 0]) / (fast - slow) - 1.0
+    offsets = found[:, 0] - slow * (1.0 + gains)
+    errors = np.stack([gains, offsets, found[:, 2] - temperature], axis=1)
+    errors /= [AIR_DATA[f"{name}_sigma"] for name in ("pitot_coefficient", "pressure_offset", "temperature_error")]
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 400) / 400
+    variance = np.mean(errors**2, axis=0)
+    assert low < np.min(variance) and np.max(variance) < high
+    assert np.max(np.abs(np.mean(errors, axis=0))) < 4.9 / 20.0
+    assert np.max(np.abs(np.corrcoef(errors.T) - np.eye(3))) < 5.0 / 20.0
 
 
 def test_white_noise_is_per_sample(tmp_path):

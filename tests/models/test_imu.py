@@ -8,7 +8,16 @@ from fmus.grades import GRADES
 from fmus.imu import Imu
 from tests.models.native import Native, interpret
 
+CALIBRATED = {
+    "misalignment_sigma": 0.0,
+    "gyro_null_shift_sigma": 0.0,
+    "gyro_scale_factor_sigma": 0.0,
+    "accelerometer_null_shift_sigma": 0.0,
+    "accelerometer_scale_factor_sigma": 0.0,
+}
+"""Nothing is left that would be drawn at turn-on."""
 QUIET = {
+    **CALIBRATED,
     "gyro_drift_sigma": 0.0,
     "gyro_noise_sigma": 0.0,
     "accelerometer_drift_sigma": 0.0,
@@ -62,7 +71,7 @@ def test_nothing_is_measured_before_the_first_sample():
 @pytest.mark.parametrize("grade", GRADES)
 def test_a_grade_has_the_noise_and_drift_of_table_3_2(native, grade):
     """Noise from differences of successive samples, drift from 200 turn-ons; bounds at a probability of 1e-6."""
-    wanted = GRADES[grade]
+    wanted = {**GRADES[grade], **CALIBRATED}
     still = native.run(40.0, 0.01, RECORD, wanted)
     for signal, name in (("reading.rate", "gyro"), ("reading.specific_force", "accelerometer")):
         steps = np.diff(still[signal][1:], axis=0)[::2].ravel()
@@ -121,6 +130,40 @@ def test_null_shift_is_drawn_once_per_turn_on(native):
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 900) / 900
     assert low < np.mean(np.square(shifts)) < high
     assert np.max(np.abs(np.mean(shifts, axis=0))) < 4.9 / np.sqrt(300)
+
+
+@pytest.mark.parametrize("grade", GRADES)
+def test_turn_on_errors_have_the_sigma_of_their_grade(native, grade):
+    """400 turn-ons: what a truth of g on one axis and 1 rad/s on one axis makes of each error; bounds at 1e-6.
+
+    A default of zero, a scale factor that is drawn for all axes at once, a misalignment of the wrong sign in one of the
+    two triads and errors that do not depend on the seed all fail.
+    """
+    wanted = GRADES[grade]
+    silent = {f"{sensor}_{error}_sigma": 0.0 for sensor in ("gyro", "accelerometer") for error in ("drift", "noise")}
+    truths = {name: np.eye(3) for name in ("rate", "specific_force")}
+    readings = {name: np.empty((400, 4, 3)) for name in truths}
+    for seed in range(400):
+        for axis in range(4):  # the fourth time nothing is there to be measured
+            truth = {name: list(matrix[axis]) if axis < 3 else [0.0] * 3 for name, matrix in truths.items()}
+            run = native.run(0.01, 0.01, RECORD, {**wanted, **silent, "seed": seed}, lambda t, truth=truth: truth)
+            for name in truths:
+                readings[name][seed, axis] = run[f"reading.{name}"][-1]
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 1200) / 1200
+    turned = {}
+    for name, sensor in (("rate", "gyro"), ("specific_force", "accelerometer")):
+        shifts = readings[name][:, 3]
+        matrix = readings[name][:, :3] - shifts[:, None] - np.eye(3)  # row: axis of the truth, column: of the sensor
+        gains = np.diagonal(matrix, axis1=1, axis2=2)
+        turned[name] = np.stack([matrix[:, 2, 1], matrix[:, 0, 2], matrix[:, 1, 0]], axis=1)
+        assert low < np.mean(shifts**2) / wanted[f"{sensor}_null_shift_sigma"] ** 2 < high
+        assert low < np.mean(gains**2) / wanted[f"{sensor}_scale_factor_sigma"] ** 2 < high
+        # to first order; the scale factor of the sensor's axis multiplies it
+        assert low < np.mean(turned[name] ** 2) / wanted["misalignment_sigma"] ** 2 < high
+        everything = np.hstack([shifts, gains, turned[name]])
+        correlation = np.corrcoef(everything.T) - np.eye(9)
+        assert np.max(np.abs(correlation)) < 5.3 / np.sqrt(400)
+    np.testing.assert_allclose(turned["rate"], turned["specific_force"], atol=0.2 * wanted["misalignment_sigma"])
 
 
 def test_axes_and_sensors_have_noise_of_their_own(native):

@@ -5,13 +5,15 @@ import pygeomag
 import pytest
 from scipy import stats
 
+from fmus.grades import MAGNETOMETER
 from fmus.magnetometer import Magnetometer
 from models import attitude, magnetic_field, magnetometer
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
 MG = 1e-7
-QUIET = {"hard_iron_sigma": 0.0, "noise_sigma": 0.0}
+CALIBRATED = {"soft_iron_sigma": 0.0, "scale_factor_sigma": 0.0, "misalignment_sigma": 0.0}
+QUIET = {**CALIBRATED, "hard_iron_sigma": 0.0, "noise_sigma": 0.0}
 PLACE = {"latitude": 0.6583, "longitude": -2.1225, "altitude": 1500.0}
 
 
@@ -115,10 +117,44 @@ def test_noise_and_turn_on_have_their_sigma(tmp_path):
     truth = magnetic_field.field(*PLACE.values(), 2026.0)
     left = []
     for seed in range(150):
-        run = native.run(1.0, 1.0, ["field.field_b"], {"noise_sigma": 0.0, "seed": seed}, lambda t: place)
+        run = native.run(1.0, 1.0, ["field.field_b"], {**CALIBRATED, "noise_sigma": 0.0, "seed": seed}, lambda t: place)
         left.append((run["field.field_b"][-1] - truth) / (5 * MG))
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 450) / 450
     assert low < np.mean(np.square(left)) < high
+
+
+def test_the_distortion_left_by_the_calibration_has_its_sigma(tmp_path):
+    """400 turn-ons, each in three attitudes that turn the field through the axes; bounds at 1e-6.
+
+    To first order the elements of C_m C_sf C_si - I off the diagonal are soft iron and misalignment, those on it soft
+    iron and scale factor; a default of zero, one number for all elements, or a draw of the noise sequence fail.
+    """
+    native = Native(Magnetometer, tmp_path)
+    truth_n = magnetic_field.field(*PLACE.values(), 2026.0)
+    attitudes = [(0.0, 0.0, 0.0), (0.0, 0.0, np.pi / 2), (np.pi / 2, 0.0, 0.3)]
+    truth = np.stack([attitude.dcm(*angles).T @ truth_n for angles in attitudes], axis=1)
+    left = []
+    for seed in range(400):
+        quiet = {"hard_iron_sigma": 0.0, "noise_sigma": 0.0, "seed": seed}
+        measured = []
+        for angles in attitudes:
+            place = {**PLACE, **dict(zip(("roll", "pitch", "heading"), angles, strict=True))}
+            run = native.run(1.0, 1.0, ["field.field_b"], quiet, lambda t, place=place: place)
+            measured.append(run["field.field_b"][-1])
+        left.append(np.stack(measured, axis=1) @ np.linalg.inv(truth) - np.eye(3))
+    left = np.array(left)
+    soft, scale, turned = (MAGNETOMETER[f"{name}_sigma"] for name in ("soft_iron", "scale_factor", "misalignment"))
+    on = np.diagonal(left, axis1=1, axis2=2)
+    off = left[:, ~np.eye(3, dtype=bool)].reshape(-1, 6)
+    for values, sigma in ((on, np.hypot(soft, scale)), (off, np.hypot(soft, turned))):
+        # each column has 400 independent values; columns of one pair share a misalignment
+        low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 400) / 400
+        variance = np.mean(values**2, axis=0) / sigma**2
+        assert low < np.min(variance) and np.max(variance) < high
+        assert np.max(np.abs(np.mean(values, axis=0))) < 4.9 * sigma / 20.0
+    turn = (left[:, 0, 1] - left[:, 1, 0]) / 2.0
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 400) / 400
+    assert low < np.mean(turn**2) / (turned**2 + soft**2 / 2.0) < high
 
 
 @pytest.mark.parametrize("date", [2024.9, 2030.1])
