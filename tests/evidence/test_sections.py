@@ -136,11 +136,11 @@ def test_errors_that_are_not_numbers_count_as_above():
 def test_closure_title_follows_the_drift(monkeypatch):
     titles = []
     monkeypatch.setattr(closure, "picture", lambda north, east, up, title: titles.append(title) or b"")
-    none = np.zeros(180_001)
-    for north in (none + 0.1, none + 0.5, none + np.nan):
+    none = np.zeros(720_001)
+    for north in (none + 0.005, none + 0.02, none + np.nan):
         text_of(closure.section(north, none, none))
-    assert "returns the trajectory: within 0.3 m over ground in 30 minutes" in titles[0]
-    assert all("does not return the trajectory within 0.3 m" in title for title in titles[1:])
+    assert "returns the trajectory: within 0.01 m over ground in 30 minutes" in titles[0]
+    assert all("does not return the trajectory within 0.01 m" in title for title in titles[1:])
     assert [claim.holds for claim in closure.section(none, none, none + 0.1).claims] == [True, False]
 
 

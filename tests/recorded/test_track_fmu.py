@@ -112,6 +112,24 @@ def test_integrating_its_force_and_rate_returns_the_flight(fmu, imported, wind):
     assert np.max(np.abs(final - c_nb)) < 1e-6
 
 
+def test_starts_in_the_wind_and_with_the_lift_that_it_needs(fmu):
+    """Heading is that of the velocity relative to the wind from the first row on; alpha follows the load factor."""
+    result = play(fmu, 120.0, (8.0, -6.0, 0.0), period=0.1)
+    relative = vector(result, "velocity_n") - (8.0, -6.0, 0.0)
+    difference = attitude.wrap(result["heading"] - np.arctan2(relative[:, 1], relative[:, 0]))
+    banked = np.abs(result["roll"])
+    # in a bank the nose is off by alpha sin(roll), to the inside
+    assert np.all(np.abs(difference) < 0.01 + np.max(np.abs(result["angle_of_attack"])) * np.sin(banked))
+    np.testing.assert_allclose(result["true_airspeed"], np.linalg.norm(relative, axis=1), rtol=1e-12)
+    np.testing.assert_allclose(result["sideslip"], 0.0, atol=1e-6)
+    density = 1.225 * (1.0 - 2.25577e-5 * result["altitude"][0]) ** 4.2559
+    force, alpha = vector(result, "specific_force"), result["angle_of_attack"]
+    load = (force[:, 0] * np.sin(alpha) - force[:, 2] * np.cos(alpha)) / 9.80665  # across the flow
+    expected = -0.0603 + 2.0 * 1960.0 * load / (density * result["true_airspeed"] ** 2 * 5.14)
+    np.testing.assert_allclose(alpha, expected, atol=np.radians(0.1))
+    assert np.ptp(alpha) > np.radians(1.0)
+
+
 def test_heading_is_continuous_through_north(fmu, imported):
     result = play(fmu, imported.flight.duration, period=0.1)
     assert np.max(np.abs(np.diff(result["heading"]))) < 0.05
