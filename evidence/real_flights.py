@@ -33,6 +33,8 @@ from system_ssp.backup_navigator.system import source
 HEADING = "Real flights"
 FLIGHTS = ("toulouse", "sydney")
 SEEDS = range(1, 11)
+USUAL_LIFT, DENSITY = 0.5, 1.1
+"""Lift coefficient at a flight's usual speed, from which its wing loading is guessed, and density of air, kg/m3."""
 LOST = 300.0
 DATE = 2026.0
 ANTENNA = 10.0
@@ -164,7 +166,7 @@ def _truth(fmu: Path) -> dict[str, np.ndarray]:
     loaded = System.load(fmu)
     component = next(iter(loaded.fmus))
     stop = loaded.fmus[component].description.stop_time
-    names = ("latitude", "longitude", "altitude")
+    names = ("latitude", "longitude", "altitude", "true_airspeed")
     signals = [f"{component}.{name}" for name in names]
     run = loaded.run(stop=float(np.floor(stop)), step=1.0, record=signals, record_period=10.0)
     return {"time": run.index.to_numpy()} | {name: run[f"{component}.{name}"].to_numpy() for name in names}
@@ -233,6 +235,8 @@ def _system(name: str, fmus: Path, stations: StationSet, track: dict[str, np.nda
     system.parameters("navigator", stations.parameters())
     middle = len(track["time"]) // 2
     field_n = magnetic_field.field(*(track[n][middle] for n in ("latitude", "longitude", "altitude")), DATE)
+    cruise = float(np.median(track["true_airspeed"]))
+    system.parameters("aircraft", {"wing_loading": USUAL_LIFT * 0.5 * DENSITY * cruise**2})
     system.parameters("magnetometer", {"date": DATE})
     system.parameters("ahrs", {"declination": float(magnetic_field.declination(field_n))})
     return system.pack(fmus / f"{name}.ssp")

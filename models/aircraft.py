@@ -34,6 +34,8 @@ PEAK = 1.875
 """Largest slope of the smooth step (1)."""
 FOREVER = 1.0e12
 """End of the last segment, s."""
+STALL = 0.3
+"""No wing has more incidence to its direction without lift, rad; (4) is led smoothly below it, 0.03 % away at 0.14."""
 SHORTEST_TRANSITION = 1.0
 """Shortest duration T of a transition, s."""
 
@@ -217,9 +219,13 @@ def trimmed(velocity, turning, air, lift):
     airspeed2 = across2 + u[2] * u[2]
     lifting = weight / bank_cosine
     lifting_rate = (sideward * sideward_rate - weight * jerk[2]) / lifting
-    incidence = lift_length * lifting / airspeed2
-    alpha = zero_lift_angle + incidence
-    alpha_rate = (lift_length * lifting_rate - 2.0 * incidence * (across * across_rate + u[2] * u1[2])) / airspeed2
+    needed = lift_length * lifting / airspeed2
+    needed_rate = (lift_length * lifting_rate - 2.0 * needed * (across * across_rate + u[2] * u1[2])) / airspeed2
+    square = needed * needed / (STALL * STALL)
+    excess = 1.0 + square * square * square * square
+    root = np.sqrt(np.sqrt(np.sqrt(excess)))
+    alpha = zero_lift_angle + needed / root
+    alpha_rate = needed_rate / (root * excess)
     sine, cosine = np.sin(alpha), np.cos(alpha)
     c_wb = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
     c_nw = attitude.dcm_from_sines(bank_sine, bank_cosine, climb_sine, climb_cosine, course_sine, course_cosine)

@@ -6,7 +6,7 @@ from scipy import stats
 from scipy.integrate import solve_ivp
 
 from fmus.aircraft import Aircraft
-from models import attitude, lags, turbulence, wander
+from models import aircraft, attitude, lags, turbulence, wander
 from models.flight_plan import FlightPlan, straight
 from tests.models.native import Native
 
@@ -214,6 +214,21 @@ def test_angle_of_attack_carries_the_lift(native):
     # lift is across the air's flow and the force across the body: they differ by 1 - cos(alpha + climb angle)
     np.testing.assert_allclose(run["angle_of_attack"], expected, atol=np.radians(0.1))
     np.testing.assert_allclose(run["sideslip"], 0.0, atol=1e-3)
+
+
+def test_no_wing_gives_more_than_it_can(native):
+    """A slow plan does not stand on its tail: alpha stays below the stall, and force and rate stay derivatives."""
+    legs = (straight(10.0, SPEED), straight(1e3, 12.0, 1.0))
+    slow = FlightPlan(0.65, -2.1, 500.0, 0.7, SPEED, legs).parameters()
+    record = ["angle_of_attack", "pitch", "rate", "roll"]
+    run = native.run(100.0, 0.01, record, {**slow, **CALM})
+    assert np.max(run["angle_of_attack"]) < aircraft.STALL - 0.0603
+    assert run["angle_of_attack"][-1] > 0.2
+    k = np.arange(5, 9990, 10)
+    turning = (run["pitch"][k + 1] - run["pitch"][k - 1]) / 0.02
+    # in straight flight pitch rate is all there is, but for the turning of the earth and of the level
+    assert np.max(np.abs(run["rate"][k, 1] - turning)) < 1e-4
+    assert np.max(np.abs(turning)) > 5e-3
 
 
 def test_gusts_show_in_lift_and_side_force(native):
