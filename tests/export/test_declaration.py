@@ -203,6 +203,9 @@ DECLARATIONS = {
     "fault output": (lambda: Output("m", fault=True), "inputs"),
     "mixed bundle": (lambda: Bundle(a=Input("m"), b=Output("m")), "all Input or all Output"),
     "member called valid": (lambda: Bundle(valid=Input("m")), "'valid'"),
+    "member called as its view has it": (lambda: Bundle(_bundle=Output("m")), "the name '_bundle' is taken"),
+    "member called as Python has it": (lambda: Bundle(__x=Output("m")), "the name '__x' is taken"),
+    "member called as the option of publish": (lambda: Bundle(when=Output("m")), "the name 'when' is taken"),
     "every number": (lambda: every(0.1), "name of a Parameter"),
     "on_new without name": (lambda: on_new(None), "input Bundle"),
     "table of wrong width": (lambda: Table(columns=(("time", "s"),), rows=[[0, 1], [1, 2]]), "(2, 2)"),
@@ -518,6 +521,23 @@ def test_names_of_variables_are_those_of_fmi():
     expected = "cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
     for make, name in ((plain, "größe"), (member, "fix.höhe"), (blank, "fix.a b")):
         refused(make, f"'{name}' {expected}")
+
+
+def test_a_member_may_be_called_self():
+    """Declared or published by keyword it was taken for the object itself: TypeError."""
+
+    class Own(Component):
+        """Own."""
+
+        T = Parameter("s", start=0.1)
+        tick = "T"
+        out = Bundle(**{"self": Output("m")})
+
+        @every("T")
+        def go(self):
+            self.out.publish(**{"self": 2.0})
+
+    assert "out.self" in [variable.name for variable in lower(Own).variables]
 
 
 def test_integers_have_all_of_32_bits():
