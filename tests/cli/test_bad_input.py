@@ -85,6 +85,7 @@ ARGUMENTS = {
     "a seed of more than 32 bits": (["--seed", "4294967297"], "expected"),
     "a parameter that is an output": (["--set", "lag.y=1"], "cannot be set: it is output"),
     "a parameter without a value": (["--set", "lag.tau"], "expected component.parameter=value"),
+    "a parameter with an empty value": (["--set", "lag.tau="], "expected a number"),
     "a unit that does not convert": (["--set", "lag.tau=3 m"], "'m' cannot be converted to 's'"),
     "an unknown signal": (["--record", "lag.z"], "has no variable 'z'"),
     "a pattern that matches nothing": (["--record", "lag.z*"], "no output matches"),
