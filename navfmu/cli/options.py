@@ -62,7 +62,7 @@ _NAME = re.compile(r"(?:'[^']*'|\[[^\]]*\]|\([^)]*\)|[^,])+")
 
 
 def names(signals: Sequence[str]) -> list[str]:
-    """Names from repeated options and lists with commas; commas in ``C[1,2]``, ``f(a,b)``, ``'a,b'`` do not separate."""
+    """Names from repeated options and lists with commas; those in ``C[1,2]``, ``f(a,b)``, ``'a,b'`` do not separate."""
     found = [name.strip() for text in signals for name in _NAME.findall(text) if name.strip()]
     if signals and not found:
         raise NavfmuError("the names of signals are empty; leave them out to take those that there are")
