@@ -198,5 +198,5 @@ def _array(kind: str, name: str, items: Iterable[object]) -> Iterable[str]:
 def _text(text: str) -> str:
     """Return a C string of the text in UTF-8."""
     if text.isascii():
-        return json.dumps(text).replace("\\u007f", "\\177").replace("??", "?\\?")
-    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else f"\\{b:03o}" for b in text.encode()) + '"'
+        return json.dumps(text).replace("\\u007f", "\\177").replace("?", "\\?")  # ??/ is a \\ in C99
+    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'

@@ -14,7 +14,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
-from navfmu.export.graph import Node
+from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
 from navfmu.export.layout import Field, Layout
 from navfmu.export.place import is_foreign
@@ -132,6 +132,9 @@ def _checks(layout: Layout) -> list[ir.Check]:
             layout.fail("a requirement must be one truth value; use np.all", requirement.place)
         names = tuple((name, layout.index(name)) for name in requirement.names)
         (result,) = trace.expressions(holds)
+        for vector, what in (("clock", "time"), ("rows", "a table")):
+            if any(elements_used((result,), vector)):
+                layout.fail(f"a requirement is over parameters, and this one is over {what}", requirement.place)
         checks.append(ir.Check(result, requirement.message, names))
     return checks
 

@@ -248,6 +248,8 @@ def _greedy():
 
 CLASSES = {
     "unknown period": (_class(T=Parameter("s"), step=every("S")(_quiet())), "'S'", "Parameter in s"),
+    "braces in a sentence": (_class(x=Parameter("m"), check=require("x {x} of {{x}}")(_quiet())), "no braces but"),
+    "a single brace": (_class(x=Parameter("m"), check=require("x {x} }")(_quiet())), "no braces but"),
     "period of two": (_class(T=Parameter(2, "s"), step=every("T")(_quiet())), "'T'"),
     "tunable period": (_class(T=Parameter("s", tunable=True), step=every("T")(_quiet())), "tunable"),
     "unknown bundle": (
@@ -430,6 +432,23 @@ def test_requirements_are_over_parameters():
             return self.u > 0
 
     refused(lambda: lower(Wrong), "'u'")
+
+
+@pytest.mark.parametrize("what", ["time", "a table"])
+def test_requirements_see_neither_time_nor_tables(what):
+    """C looked at them with a time of 0 and rows of zeros, and the interpreter with those of the start."""
+
+    class Late(Component):
+        """Late."""
+
+        limit = Parameter("s", start=2.0)
+        track = Table(columns=(("time", "s"),), rows=[[1.0], [3.0]])
+
+        @require("limit {limit} s")
+        def check(self):
+            return self.limit > (self.time if what == "time" else self.track.row[0])
+
+    refused(lambda: lower(Late), "a requirement is over parameters", f"over {what}")
 
 
 def test_a_task_may_use_start_twice():
