@@ -20,7 +20,7 @@ from navfmu.files.markup import parse, validate
 from navfmu.files.reading import read_bytes, resolved, what_is
 from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp import annotations
-from navfmu.ssp.document import MAIN, NAMESPACES, schema
+from navfmu.ssp.document import MAIN, NAMESPACES, SSP_1, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
 
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
@@ -118,6 +118,7 @@ class _Reader:
         expected = {"ssd": "SystemStructureDescription", "ssv": "ParameterSet", "ssm": "ParameterMapping"}[prefix]
         data = read_bytes(file, f"an XML document with <{prefix}:{expected}>")
         root = parse(data, label, self.lenient, NAMESPACES)
+        self._rename(root, expected, NAMESPACES[prefix], label)
         if root.tag != f"{{{NAMESPACES[prefix]}}}{expected}":
             raise NavfmuError(f"{label}: expected <{prefix}:{expected}> of SSP 1.0, found <{root.tag}>")
         version = root.get("version", "1.0")
@@ -130,6 +131,14 @@ class _Reader:
         unread = annotations.unread(root, label, [element for element in read if element is not None])
         self.ignored += [line for line in unread if line not in self.ignored]
         return root
+
+    def _rename(self, root: Any, expected: str, namespace: str, label: str) -> None:
+        """Give a document whose namespace is no other one of SSP 1 the right one: many write SSP1/ParameterValues."""
+        given, _, name = root.tag[1:].rpartition("}")
+        if name == expected and given.startswith(SSP_1) and given not in NAMESPACES.values():
+            self.lenient.append(f"{label}: its namespace is '{given}', expected '{namespace}'")
+            for element in root.iter(f"{{{given}}}*"):
+                element.tag = f"{{{namespace}}}{element.tag.rpartition('}')[2]}"
 
     def _resolve(self, source: str, where: str) -> Path:
         """A file beside the SSD; nothing outside its folder and nothing from a network."""

@@ -287,13 +287,17 @@ def _single(file: Path) -> Structure:
 def _check_connectors(component: Component, fmu: Fmu, lenient: list[str]) -> None:
     for connector in component.connectors.values():
         where = f"{component.where}, connector '{connector.name}'"
-        if connector.kind in ("parameter", "calculatedParameter") and connector.name not in fmu.description.by_name:
+        is_parameter = connector.kind in ("parameter", "calculatedParameter")
+        if is_parameter and connector.name not in fmu.description.by_name:
             lenient.append(f"{where}: is a parameter that {fmu.path.name} does not have")
             continue
         variable = fmu.description.variable(connector.name, where)
         kind = "Integer" if connector.type == "Enumeration" else connector.type
         if kind not in (None, variable.type):
-            raise NavfmuError(f"{where}: is {connector.type}, but the FMU's variable is {variable.type}")
+            sentence = f"{where}: is {connector.type}, but the FMU's variable is {variable.type}"
+            if not is_parameter:
+                raise NavfmuError(sentence)
+            lenient.append(sentence)  # nothing goes through it
         if connector.kind in ("input", "output", "parameter") and connector.kind != variable.causality:
             raise NavfmuError(f"{where}: is an {connector.kind}, but the FMU's variable is {variable.causality}")
         if connector.unit is not None and variable.unit:

@@ -240,6 +240,10 @@ SYSTEMS = {
         replaced(("</ssd:Connectors>", ORPHAN)),
         "line 7: Component 'a', connector 'mass': is a parameter that lag.fmu does not have",
     ),
+    "a parameter of another type": (
+        replaced(("</ssd:Connectors>", ORPHAN.replace("mass", "tau").replace("Real", "Binary"))),
+        "line 7: Component 'a', connector 'tau': is Binary, but the FMU's variable is Real",
+    ),
     "a connection of what is no connector": (
         replaced(
             ('<ssd:Connectors><ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>', "")
@@ -292,6 +296,19 @@ def test_a_package_whose_names_begin_with_a_dot_and_a_parameter_set_without_its_
         "names in the archive begin with './'",
         "a.ssv, line 1: the prefix 'ssv' is not declared",
     ]
+
+
+def test_a_parameter_set_in_a_namespace_that_ssp_does_not_have_is_read(tmp_path):
+    file = packed(tmp_path, ssv=SSV.replace("SSP1/SystemStructureParameterValues", "SSP1/ParameterValues"))
+    system = System.load(file)
+    assert system.values["a"] == {"u": 3.0}
+    space = "http://ssp-standard.org/SSP1/"
+    said = f"{file}: a.ssv: its namespace is '{space}ParameterValues', expected '{space}SystemStructureParameterValues'"
+    assert list(system.lenient) == [said]
+    for wrong in ("SSP1/SystemStructureCommon", "SSP3/ParameterValues"):
+        file = packed(tmp_path, ssv=SSV.replace("SSP1/SystemStructureParameterValues", wrong))
+        with pytest.raises(NavfmuError, match=rf"a\.ssv: expected <ssv:ParameterSet> of SSP 1\.0, found <.*{wrong}"):
+            System.load(file)
 
 
 def test_a_campaign_that_is_strict_refuses_a_system_with_a_habit(tmp_path, capsys):
