@@ -15,7 +15,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.files.writing import write_file
 from navfmu.report.page import Page
 from navfmu.system.result import check_folder
-from navfmu.terminal.refusal import as_a_sentence
+from navfmu.terminal import interrupt, refusal
 
 SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "expressions", "public_fmus", "speed")
 
@@ -30,7 +30,7 @@ def main(names: tuple[str, ...], out: str) -> None:
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)
-    with as_a_sentence("evidence"):
+    with refusal.as_a_sentence("evidence"), interrupt.as_a_sentence():
         check_folder(folder)
         for name in names:
             if name not in SECTIONS:

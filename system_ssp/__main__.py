@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from navfmu.ssp.discovery import sources
-from navfmu.terminal.refusal import as_a_sentence
+from navfmu.terminal import interrupt, refusal
 
 HERE = Path(__file__).resolve().parent
 
@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 def main() -> None:
     """Write each system's documents (.ssd, .ssv) beside its system.py, from the FMUs in dist/."""
-    with as_a_sentence("system_ssp"):
+    with refusal.as_a_sentence("system_ssp"), interrupt.as_a_sentence():
         write()
 
 

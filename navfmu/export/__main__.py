@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from navfmu.terminal.refusal import as_a_sentence
+from navfmu.terminal import interrupt, refusal
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -45,7 +45,7 @@ def main(
 
     An FMU that has not changed is taken from the cache.
     """
-    with as_a_sentence("navfmu.export"):
+    with refusal.as_a_sentence("navfmu.export"), interrupt.as_a_sentence():
         _build(names, folder, Path(out), platforms, twins, pictures, jobs)
         if systems and not names:
             from navfmu.ssp.discovery import pack
