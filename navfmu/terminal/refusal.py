@@ -9,12 +9,14 @@ from contextlib import contextmanager
 
 from navfmu.errors import NavfmuError, quoted
 from navfmu.files.reading import out_of_reach
+from navfmu.terminal import streams
 from navfmu.terminal.sentence import tell
 
 
 @contextmanager
 def as_a_sentence(program: str) -> Iterator[None]:
     """What is refused inside ends ``program``; the net below everything that tells of files more closely."""
+    streams.complete()
     try:
         yield
     except NavfmuError as error:
