@@ -29,6 +29,16 @@ def test_a_run_writes_its_report(closed, tmp_path):
     assert start(tmp_path, closed, *words, "--stop", "-1") == 2
 
 
+def test_what_the_encoding_lacks_is_written_as_python_does(tmp_path):
+    """After all the work it was a traceback with the code 1, which says that a requirement does not hold."""
+    (tmp_path / "c.toml").write_text(f"system = {str(systems.tracker().resolve())!r}\nstop = 1\n")
+    words = [sys.executable, "-m", "navfmu", "campaign", "c.toml", "--out", "中"]
+    environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert rb"\u4e2d/report.html" in done.stdout
+
+
 @pytest.mark.parametrize("closed", CLOSED)
 def test_what_an_fmu_prints_goes_into_no_file(closed, tmp_path):
     """The first file that is opened had the number 2, and what came to the standard error stream."""
