@@ -15,6 +15,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.files.writing import write_file
 from navfmu.report.page import Page
 from navfmu.system.result import check_folder
+from navfmu.terminal import interrupt, refusal
 
 SECTIONS = ("headline", "step_sizes", "closure", "real_flights", "expressions", "public_fmus", "speed")
 
@@ -29,7 +30,7 @@ def main(names: tuple[str, ...], out: str) -> None:
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)
-    try:
+    with refusal.as_a_sentence("evidence"), interrupt.as_a_sentence():
         check_folder(folder)
         for name in names:
             if name not in SECTIONS:
@@ -40,9 +41,6 @@ def main(names: tuple[str, ...], out: str) -> None:
             sections[name] = importlib.import_module(f"evidence.{name}").run(folder)
             click.echo(f"{name}: {time.monotonic() - began:.0f} s")
         report = write_file(folder / "evidence.html", page(sections).html().encode())
-    except NavfmuError as error:
-        click.echo(f"evidence: {error}", err=True)
-        sys.exit(2)
     show(sections)
     click.echo(f"report: {report}")
     if not all(claim.holds for section in sections.values() for claim in section.claims):

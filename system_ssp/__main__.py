@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from navfmu.errors import NavfmuError
 from navfmu.ssp.discovery import sources
+from navfmu.terminal import interrupt, refusal
 
 HERE = Path(__file__).resolve().parent
 
@@ -16,11 +15,8 @@ HERE = Path(__file__).resolve().parent
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 def main() -> None:
     """Write each system's documents (.ssd, .ssv) beside its system.py, from the FMUs in dist/."""
-    try:
+    with refusal.as_a_sentence("system_ssp"), interrupt.as_a_sentence():
         write()
-    except NavfmuError as error:
-        click.echo(f"system_ssp: {error}", err=True)
-        sys.exit(2)
 
 
 def write() -> None:

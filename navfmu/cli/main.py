@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import importlib
-import sys
 from typing import Any
 
 import click
 
 from navfmu import __version__
-from navfmu.errors import NavfmuError, nearest
-from navfmu.files.reading import out_of_reach
-from navfmu.terminal import interrupt
-from navfmu.terminal.sentence import tell
+from navfmu.errors import nearest
+from navfmu.terminal import interrupt, refusal
 
 COMMANDS = {  # command -> module, and its line in the list of commands
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
@@ -50,19 +47,8 @@ class _Commands(click.Group):
             return super().invoke(ctx)
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        try:
+        with refusal.as_a_sentence("navfmu"):
             return super().main(*args, **kwargs)
-        except NavfmuError as error:
-            tell(f"navfmu: {error}")
-            sys.exit(error.exit_code)
-        except BrokenPipeError:  # the reader of our output went away, as "head" does
-            sys.stderr.close()
-            sys.exit(1)
-        except OSError as error:  # of a file that nothing nearer has told of
-            if error.filename is None:
-                raise
-            tell(f"navfmu: {out_of_reach(error.filename, error)}")
-            sys.exit(NavfmuError.exit_code)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -58,9 +58,12 @@ def load(system: str, given: dict[str, Any]) -> tuple[System, dict[str, Any]]:
     return loaded, given
 
 
+_NAME = re.compile(r"(?:'[^']*'|\[[^\]]*\]|\([^)]*\)|[^,])+")
+
+
 def names(signals: Sequence[str]) -> list[str]:
-    """Names from repeated options and lists with commas; the comma in ``C[1,2]`` does not separate."""
-    found = [name.strip() for text in signals for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+    """Names from repeated options and lists with commas; those in ``C[1,2]``, ``f(a,b)``, ``'a,b'`` do not separate."""
+    found = [name.strip() for text in signals for name in _NAME.findall(text) if name.strip()]
     if signals and not found:
         raise NavfmuError("the names of signals are empty; leave them out to take those that there are")
     return found
@@ -82,7 +85,7 @@ def assigned(texts: Iterable[str]) -> dict[str, str]:
     parameters = {}
     for text in texts:
         name, equals, value = text.partition("=")
-        if not equals or "." not in name or not value.strip():
+        if not equals or "." not in name:
             raise NavfmuError(f"--set '{text}': expected component.parameter=value")
         if name.strip() in parameters:
             raise NavfmuError(f"--set '{text}': '{name.strip()}' is set twice")

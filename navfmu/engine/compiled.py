@@ -35,7 +35,7 @@ from navfmu.engine.recording import (
     unmoved,
     warned,
 )
-from navfmu.engine.structures import ASKED, DISCARD, FAILED, LOOP, NAMES, WARNING, Callbacks, Master
+from navfmu.engine.structures import ASKED, DISCARD, FAILED, GOES_ON, LOOP, NAMES, WARNING, Callbacks, Master
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
 from navfmu.fmi.functions import OPTIONAL
@@ -212,7 +212,7 @@ class Compiled:
         for number, fmu in enumerate(self._fmus):
             if number not in self._refused and self._instances.alive(number):
                 status = self._status(number, "fmi2Terminate", fmu.terminate)
-                refused += [(number, status)] if status > WARNING else []
+                refused += [(number, status)] if status not in GOES_ON else []
         self._refused |= {number for number, _ in refused}
         for number, status in refused:
             self._refuse(number, "fmi2Terminate", status)
@@ -237,7 +237,7 @@ class Compiled:
                 references = (ctypes.c_uint32 * len(counters))(*(counter.reference for counter in counters))
                 values = (c_int * len(counters))()
                 status = self._status(number, "fmi2GetInteger", fmu.get_integer, references, len(counters), values)
-                if status <= WARNING:
+                if status in GOES_ON:
                     name = self.plan.parts[number].component.name
                     self._lost |= {f"{name}.{c.name}": n for c, n in zip(counters, values, strict=True)}
         return self._lost
@@ -448,7 +448,7 @@ class Compiled:
     def _call(self, number: int, name: str, function: Any, *arguments: Any) -> None:
         self._look_for_dead()
         status = self._status(number, name, function, *arguments)
-        if status > WARNING:
+        if status not in GOES_ON:
             self._refuse(number, name, status)
 
     def _status(self, number: int, name: str, function: Any, *arguments: Any) -> int:

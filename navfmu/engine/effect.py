@@ -59,7 +59,7 @@ EFFECT = np.dtype(
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
         ("until", np.int64),  # from this communication point on nothing can be seen of it any more
-        ("seen", np.int64),  # when it is seen first: 2 k, at point k, or 2 k + 1, in the step after it; -1: not yet
+        ("seen", np.int64),  # when it is seen first, as in struct Effect; -1: not yet
         ("before", np.float64),  # the signal before it, now
     ],
     align=True,

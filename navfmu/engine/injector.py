@@ -28,9 +28,10 @@ State = tuple[dict[int, float], dict[int, float], list[int], list[Any]]
 class Injector:
     """The effects on the signals of one component; ``truth`` maps each of them to its true value.
 
-    ``seen`` has for each effect when a bit is different because of it: 2 k, at communication point k, or 2 k + 1, in
-    the step after it; -1 before that. It is found by an injector of all the others on the same signal. ``every`` is the
-    number of steps between recorded points; without it nothing is looked for.
+    ``seen`` has for each effect when a bit is different because of it: 3 k, at communication point k, 3 k + 1, in the
+    step after it, or 3 k + 2, in that step as it leaves at its end; -1 before that. It is found by an injector of all
+    the others on the same signal. ``every`` is the number of steps between recorded points; without it nothing is
+    looked for.
     """
 
     def __init__(self, effects: Sequence[np.void], clock: Clock, every: int = 0) -> None:
@@ -76,7 +77,7 @@ class Injector:
         for number, slot, other in self._others(k):
             differs = _differ(other.ahead({slot: truth[slot]}, k)[slot], values[slot])
             if differs and self._effects[number]["readers"] & AHEAD:
-                self.seen[number] = 2 * k + 1
+                self.seen[number] = 3 * k + 1
         return values
 
     def _others(self, k: int) -> list[tuple[int, int, Injector]]:
@@ -93,11 +94,11 @@ class Injector:
         if k == 0 and readers & (NOW | NEXT | AHEAD):
             self.seen[number] = 0
         elif readers & NOW:
-            self.seen[number] = 2 * k - 1
+            self.seen[number] = 3 * k - 1
         elif readers & RECORDED and k % self._every == 0:
-            self.seen[number] = 2 * k
+            self.seen[number] = 3 * k
         elif readers & NEXT:
-            self.seen[number] = 2 * k + 1
+            self.seen[number] = 3 * k + 1
 
     def _apply(self, number: int, effect: np.void, value: float, k: int) -> float:
         kind, amount = effect["kind"], float(effect["amount"])

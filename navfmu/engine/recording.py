@@ -115,19 +115,31 @@ def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> d
     """
     if not over:
         return {}
-    taken, slots = _taken(plan, turn), plan.effects["slot"].tolist()
-    was = [0 <= at <= 2 * k or (at == 2 * k + 1 and slot in taken) for at, slot in zip(seen, slots, strict=True)]
+    before, at_its_end = _taken(plan, turn)
+    was = [
+        0 <= at <= 3 * k or (at == 3 * k + 1 and slot in before) or (at == 3 * k + 2 and slot in at_its_end)
+        for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=True)
+    ]
     found = unseen(plan.faults, was, plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
 
 
-def _taken(plan: Plan, turn: int) -> set[int]:
-    """Signals that components have taken in a step that was left at component ``turn``."""
-    if turn < 0:
-        return set()
-    came = plan.order[: plan.order.index(turn) + 1] if plan.algorithm == "gauss_seidel" else range(len(plan.parts))
-    groups = [(part.smooth, part.real, part.integer, part.boolean) for part in (plan.parts[number] for number in came)]
-    return {slot for inputs in groups for group in inputs for slot in group.source.tolist()}
+def _taken(plan: Plan, turn: int) -> tuple[set[int], set[int]]:
+    """Signals that components took in a step that was left at component ``turn``: as they leave before, at its end."""
+    before: set[int] = set()
+    at_its_end: set[int] = set()
+    made: set[int] = set()  # the signals of components that have made the step, when others get their inputs
+    one_by_one = plan.algorithm == "gauss_seidel"
+    order = plan.order if one_by_one else range(len(plan.parts))
+    came = () if turn < 0 else order[: order.index(turn) + 1] if one_by_one else order
+    for part in (plan.parts[number] for number in came):
+        before |= set(part.smooth.source.tolist())
+        for group in (part.real, part.integer, part.boolean):
+            for slot, ahead in zip(group.source.tolist(), group.ahead.tolist(), strict=True):
+                (at_its_end if slot in made and not ahead else before).add(slot)
+        if one_by_one:
+            made |= {*range(part.first_signal, part.first_signal + part.signals)}
+    return before, at_its_end
 
 
 def recording(

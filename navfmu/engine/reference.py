@@ -42,6 +42,7 @@ from navfmu.engine.structures import (
     DISCARD,
     LAST_SUCCESSFUL_TIME,
     NAMES,
+    OK,
     TERMINATED,
     WARNING,
     Callbacks,
@@ -74,6 +75,8 @@ class FMU2Counting(FMU2Slave):
             result = super()._call(fname, *args)
         finally:
             self.strayed |= floating.make_ordinary()
+        if isinstance(result, int) and result < OK:  # which FMPy takes for one
+            raise FMICallException(fname, result)
         self.warnings += fname in NAMES and fname not in ASKED and result == WARNING
         return result
 

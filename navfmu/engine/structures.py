@@ -57,8 +57,8 @@ STRAYS = {
     "TRAPS": (4, "which calculations end the process"),
 }
 DONE, FAILED, INTERRUPTED = range(3)
-WARNING = 1  # the last status after which a run goes on
-DISCARD = 2
+OK, WARNING, DISCARD = range(3)
+GOES_ON = (OK, WARNING)  # after any other status, also one that FMI does not have, a run does not go on
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind: what can be asked after a step was discarded
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from pathlib import Path
 
 import click
 
-from navfmu.errors import NavfmuError
+from navfmu.terminal import interrupt, refusal
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -46,16 +45,13 @@ def main(
 
     An FMU that has not changed is taken from the cache.
     """
-    try:
+    with refusal.as_a_sentence("navfmu.export"), interrupt.as_a_sentence():
         _build(names, folder, Path(out), platforms, twins, pictures, jobs)
         if systems and not names:
             from navfmu.ssp.discovery import pack
 
             for path in pack(systems, out):
                 click.echo(path)
-    except NavfmuError as error:
-        click.echo(f"navfmu.export: {error}", err=True)
-        sys.exit(2)
 
 
 def _build(

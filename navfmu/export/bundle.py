@@ -11,6 +11,7 @@ from navfmu.export.place import check_text, place
 from navfmu.export.variable import Input, Output, Variable
 
 SIGNALS = ("valid", "sequence", "time_of_validity")
+TAKEN = (*SIGNALS, "lost", "publish", "when")  # by what every bundle has: signals, a counter, a method and its option
 
 
 class Bundle:
@@ -19,7 +20,7 @@ class Bundle:
     Its members are all inputs or all outputs. New data is announced by the sequence number.
     """
 
-    def __init__(self, *, description: str = "", **members: Variable) -> None:
+    def __init__(self, /, *, description: str = "", **members: Variable) -> None:
         self.place = place()
         self.name, self.description, self.members = "", description, members
         check_text(self.place, "Bundle: description", description)
@@ -28,7 +29,7 @@ class Bundle:
             raise NavfmuError(f"{self.place}: the members of a Bundle are all Input or all Output")
         self.causality = kinds.pop().causality
         for name, member in members.items():
-            if name in SIGNALS or name == "lost" or name == "publish":
+            if name in TAKEN or name.startswith("__") or hasattr(BundleView, name):
                 raise NavfmuError(f"{self.place}: the name '{name}' is taken in every Bundle")
             member.name = name
 
@@ -44,6 +45,8 @@ class Bundle:
 
 class BundleView:
     """A bundle as a task sees it: its members are read as attributes; an output bundle is published."""
+
+    __slots__ = ("_bundle", "_component")
 
     def __init__(self, component: Any, bundle: Bundle) -> None:
         object.__setattr__(self, "_component", component)
@@ -61,7 +64,7 @@ class BundleView:
         bundle = self._bundle.name
         self._component._frame.fail(f"'{bundle}.{name}' cannot be assigned; use self.{bundle}.publish({name}=...)")
 
-    def publish(self, *, valid: Any = True, time_of_validity: Any = None, when: Any = None, **values: Any) -> None:
+    def publish(self, /, *, valid: Any = True, time_of_validity: Any = None, when: Any = None, **values: Any) -> None:
         """Announce new values: ``sequence`` counts up, ``time_of_validity`` is now unless given.
 
         Members that are not given keep their value. With ``when``, everything is kept where that is false.

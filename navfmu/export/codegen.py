@@ -9,10 +9,10 @@ from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
-from navfmu.export.graph import c_function, c_number
+from navfmu.export.graph import Node, c_function, c_number, settled
 
 #: The vectors that a task's function reads, in order.
-VECTORS = ("v", "noise", "clock", "rows")
+VECTORS = ("v", "noise", "time", "rows", "fixed")
 
 
 def generate(model: ir.Model, guid: str) -> str:
@@ -75,8 +75,12 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield ""
     yield "#include <math.h>"
     yield ""
+    fixed = _fixed(model)
+    known = {node: f"fixed[{place}]" for node, place in fixed.items()}
+    once = {place: node for node, place in reversed(fixed.items())}
+    yield c_function("fixed_values", ["v"], [once[place] for place in range(len(once))])
     for i, task in enumerate(model.tasks):
-        yield c_function(f"task_{i}", VECTORS, task.values)
+        yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {})
     for i, check in enumerate(model.checks):
         yield c_function(f"check_{i}", VECTORS, [check.holds])
     yield from _array(
@@ -131,6 +135,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "input_count": len(inputs),
         "inputs": "model_inputs",
         "input_slot": "model_input_slot",
+        "fixed_count": len(once),
+        "fix": "fixed_values",
         "seed": -1 if model.seed is None else model.seed,
         "stream": -1 if model.stream is None else model.stream,
         "has_calculated": int(any(v.initial == "calculated" for v in model.variables)),
@@ -141,6 +147,19 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield "static const Model model = {"
     yield from (f"    .{name} = {value}," for name, value in fields.items())
     yield "};"
+
+
+def _fixed(model: ir.Model) -> dict[Node, int]:
+    """Return the operations of the tasks whose values stand when initialisation has ended, as :func:`settled` does."""
+    running = [task for task in model.tasks if task.kind != "start"]
+    changing = {index for task in running for index in (*task.targets, task.lost)}
+    changing |= {v.index for v in model.variables if life.State.STEPPING in _settable(v)}
+
+    def constant(element: Node) -> bool:
+        vector, index = element.of
+        return vector == "v" and index not in changing
+
+    return settled((value for task in running for value in task.values), constant)
 
 
 def _wholes(model: ir.Model, task: ir.Task) -> list[int]:
@@ -165,11 +184,15 @@ def _task(model: ir.Model, i: int, periods: list[int]) -> str:
 
 def _access(variable: ir.Variable) -> str:
     """Return the type and the states in which the variable may be set."""
-    states = life.settable(variable.causality, variable.variability, variable.initial)
+    states = _settable(variable)
     bits = [variable.type.upper(), *(state.name for state in life.State if state in states)]
     if variable.causality == "parameter" and life.State.STEPPING in states:
         bits.append("TUNABLE")
     return " | ".join(bits)
+
+
+def _settable(variable: ir.Variable) -> life.State:
+    return life.settable(variable.causality, variable.variability, variable.initial)
 
 
 def _message(check: ir.Check) -> tuple[str, list[int]]:
@@ -198,5 +221,5 @@ def _array(kind: str, name: str, items: Iterable[object]) -> Iterable[str]:
 def _text(text: str) -> str:
     """Return a C string of the text in UTF-8."""
     if text.isascii():
-        return json.dumps(text).replace("\\u007f", "\\177").replace("??", "?\\?")
-    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else f"\\{b:03o}" for b in text.encode()) + '"'
+        return json.dumps(text).replace("\\u007f", "\\177").replace("?", "\\?")  # ??/ is a \\ in C99
+    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.component import Component
-from navfmu.files.reading import what_is
+from navfmu.files.reading import resolved, what_is
 
 
 def components(folder: str | Path) -> dict[str, type[Component]]:
@@ -19,7 +19,7 @@ def components(folder: str | Path) -> dict[str, type[Component]]:
     A folder with ``__init__.py`` is imported as a package from its parent folder, so that its modules can import its
     neighbours; else the folder itself is where imports are looked up. Names that begin with an underscore are helpers.
     """
-    folder = Path(folder).resolve()
+    folder = resolved(folder)
     if what_is(folder) != "a folder":
         raise NavfmuError(f"there is no folder {folder}; expected one with modules that define components")
     package = (folder / "__init__.py").is_file()

@@ -27,6 +27,8 @@ from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
 
 _DTYPES = {"real": float, "integer": np.int64, "boolean": bool}
+#: The times that belong to the state.
+_TIMES = ("time", "start_time", "stop_time", "elapsed", "base", "rest", "step", "alike")
 _EPSILON = 2.220446049250313e-16
 
 
@@ -172,7 +174,9 @@ class Interpreter:
         self.values = np.array([v.start for v in self.variables], float)
         self.time = self.start_time = 0.0
         self.stop_time = math.inf
-        self.elapsed = self.rest = 0.0  # since the start: the sum of all steps, and what is too small to show in it
+        self.elapsed = 0.0  # since the start: the sum of all steps,
+        self.base = self.rest = 0.0  # of those before the last run of equal ones and what is too small to show in it,
+        self.step = self.alike = 0.0  # and of that run: their size and number
         self.steps = 0
         self.state = State.INSTANTIATED
         self.slopes: dict[int, float] = {}
@@ -304,7 +308,7 @@ class Interpreter:
             "component": self.layout.name,
             "build": self._build,
             "values": self.values.tolist(),
-            "times": [self.time, self.start_time, self.stop_time, self.elapsed, self.rest],
+            "times": [getattr(self, name) for name in _TIMES],
             "steps": self.steps,
             "state": int(self.state),
             "slopes": [[i, slope] for i, slope in self.slopes.items()],
@@ -318,7 +322,8 @@ class Interpreter:
             self._refuse("OTHER_STATE", self.layout.name)
         self._before = None
         self.values = np.array(state["values"], float)
-        self.time, self.start_time, self.stop_time, self.elapsed, self.rest = state["times"]
+        for name, value in zip(_TIMES, state["times"], strict=True):
+            setattr(self, name, value)
         self.steps, self.state = state["steps"], State(state["state"])
         self.slopes = {int(i): slope for i, slope in state["slopes"]}
         self.counts, self.last = list(state["counts"]), list(state["last"])
@@ -407,22 +412,25 @@ class Interpreter:
         return float((self.counts[clock] + 1) * self.values[self._clocks[clock]])
 
     def _move_clock(self, h: float, end: float) -> None:
-        """Add the step to the time since the start, without rounding, within the resolution of the host's clock.
+        """Add the step to the time since the start, within the resolution of the host's clock.
 
-        ``move_clock`` in ``runtime/instance.c`` says why.
+        ``move_clock`` in ``runtime/instance.c`` says how and why.
         """
         before, clock = self.elapsed, end - self.start_time
-        total = self.elapsed + h
-        part = total - self.elapsed
-        self.rest += (self.elapsed - (total - part)) + (h - part)
-        self.elapsed = total + self.rest
-        self.rest -= self.elapsed - total
+        if h != self.step:
+            run = self.alike * self.step
+            total = self.base + run
+            part = total - self.base
+            self.rest += (self.base - (total - part)) + (run - part)
+            self.base, self.step, self.alike = total, h, 0.0
+        self.alike += 1.0
         self.steps += 1
+        self.elapsed = self.base + (self.rest + self.alike * h)
         resolution = _EPSILON * (max(abs(self.start_time), abs(end)) + (self.steps + 1) * abs(clock))
         ahead = self.elapsed - clock
         if not abs(ahead) <= resolution:
-            self.elapsed = clock + math.copysign(resolution, ahead)
-            self.rest = 0.0
+            self.elapsed = self.base = clock + math.copysign(resolution, ahead)
+            self.rest = self.alike = 0.0
         self.elapsed = max(self.elapsed, before)
 
     def _tick(self, elapsed: float, tolerance: float, since: float, held: np.ndarray) -> None:
@@ -473,7 +481,7 @@ class Interpreter:
                 tolerance = self._tolerance(period, self.start_time, end)
                 if not due <= self.elapsed + tolerance:
                     break
-                self._tick(due, tolerance, due - origin, held)
+                self._tick(due, tolerance, max(due - origin, 0.0), held)
         finally:
             for i in self.slopes:
                 self.values[i] = held[i]

@@ -128,6 +128,8 @@ class Layout:
         elif hasattr(member, "_navfmu_requirement"):
             message, place = member._navfmu_requirement
             check_text(place, f"requirement '{name}'", message)
+            if set("{}") & set(re.sub(r"\{[^{}]*\}", "", message)):
+                self.fail("a sentence has no braces but those around the name of a parameter: {name}", place)
             shown = [field[1:] for field in string.Formatter().parse(message) if field[1] is not None]
             if any(not name or form or conversion for name, form, conversion in shown):
                 self.fail("a sentence shows a parameter as {name}, with a name and without a format", place)

@@ -14,7 +14,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
-from navfmu.export.graph import Node
+from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
 from navfmu.export.layout import Field, Layout
 from navfmu.export.place import is_foreign
@@ -27,10 +27,9 @@ _KINDS = {"Real": "f", "Integer": "i", "Boolean": "b"}
 class TraceFrame(Frame):
     """Symbols for everything a task can read."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, period: int | None = None) -> None:
         self.symbols = trace.symbols("v", "".join(_KINDS[v.type] for v in layout.variables))
-        clock = trace.symbols("clock", "ff")
-        super().__init__(layout, clock[0], clock[1])
+        super().__init__(layout, trace.symbols("time", "f")[0], 0.0 if period is None else self.symbols[period])
         self.tables, first = {}, 0
         for table in layout.tables:
             both = trace.symbols("rows", "f" * 2 * len(table.columns), first)
@@ -97,14 +96,15 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
 
 
 def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
-    frame = TraceFrame(layout)
+    index = {name: field.index for name, field in layout.fields.items()}
+    on_new = task.kind == "on_new"
+    clock = {"start": None, "every": task.argument, "on_new": layout.tick}[task.kind]
+    period = None if clock is None else index[clock]
+    frame = TraceFrame(layout, period)
     component = layout.component(frame)
     arguments = (frame.noise,) if task.uses_noise else ()
     _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
     targets, values = frame.changes()
-    index = {name: field.index for name, field in layout.fields.items()}
-    on_new = task.kind == "on_new"
-    period = {"start": None, "every": task.argument, "on_new": layout.tick}[task.kind]
     return ir.Task(
         name=task.name,
         kind=task.kind,
@@ -112,7 +112,7 @@ def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
         targets=targets,
         normals=frame.normals,
         stream=task.stream,
-        period=None if period is None else index[period],
+        period=period,
         sequence=index[f"{task.argument}.sequence"] if on_new else None,
         time_of_validity=index[f"{task.argument}.time_of_validity"] if on_new else None,
         lost=index[f"{task.argument}.lost"] if on_new else None,
@@ -132,6 +132,9 @@ def _checks(layout: Layout) -> list[ir.Check]:
             layout.fail("a requirement must be one truth value; use np.all", requirement.place)
         names = tuple((name, layout.index(name)) for name in requirement.names)
         (result,) = trace.expressions(holds)
+        for vector, what in (("clock", "time"), ("rows", "a table")):
+            if any(elements_used((result,), vector)):
+                layout.fail(f"a requirement is over parameters, and this one is over {what}", requirement.place)
         checks.append(ir.Check(result, requirement.message, names))
     return checks
 

@@ -9,6 +9,7 @@ from typing import Any
 from navfmu.export import ir
 from navfmu.export.description import display
 from navfmu.export.response import Response
+from navfmu.report.finite import drawn
 
 
 def picture(model: ir.Model, response: Response) -> bytes:
@@ -56,7 +57,7 @@ def _panels(model: ir.Model, response: Response) -> dict[str, dict[str, Any]]:
         for column in columns:
             variable = model.variables[response.indices[column]]
             scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
-            curves[variable.name[len(name) :]] = scale * response.values[:, column] + offset
+            curves[variable.name[len(name) :]] = drawn(scale * response.values[:, column] + offset)
         unit = display(variable, 0.0)[1]
         panels[f"{name} ({unit})" if unit else name] = curves
     return panels

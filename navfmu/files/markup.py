@@ -14,6 +14,7 @@ from typing import Any
 
 from navfmu.errors import NavfmuError
 
+TRUTH_VALUES = ("true", "false", "1", "0")
 PREFIXES = 20  # undeclared ones that are put up with in one document
 _DOCTYPE = "has a document type declaration, which is not accepted"
 _UNDECLARED = re.compile(r"Namespace prefix ([\w.-]+) .*is not defined")
@@ -61,6 +62,7 @@ def validate(root: Any, schema: Path, where: str, lenient: list[str] | None = No
     left, and the list says so.
     """
     rules = _schema(schema)
+    _trim_truth_values(root)
     if rules.validate(root):
         return
     if lenient is not None:
@@ -74,6 +76,14 @@ def validate(root: Any, schema: Path, where: str, lenient: list[str] | None = No
     if problems:
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise NavfmuError(f"{where}, line {problems[0].line}: {_plain(problems[0].message)}{more}")
+
+
+def _trim_truth_values(root: Any) -> None:
+    """Remove the spaces around true, false, 1 and 0, which schemas allow and readers of attributes do not expect."""
+    for element in root.iter("*"):
+        for name, value in element.attrib.items():
+            if value.strip() in TRUTH_VALUES and value.strip() != value:
+                element.set(name, value.strip())
 
 
 def _without_unknown(root: Any, log: Any, where: str) -> list[str]:

@@ -21,7 +21,7 @@ from navfmu.files.digest import check_unchanged, content_hash
 from navfmu.fmi.description import Description
 from navfmu.fmi.reading import read
 
-FORMAT = 10  # of the cached descriptions; raise it when their content changes
+FORMAT = 11  # of the cached descriptions; raise it when their content changes
 _memory: dict[tuple[str, int, int], Fmu] = {}
 
 

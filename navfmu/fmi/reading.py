@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import io
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,6 +20,7 @@ from navfmu.files.archive import habits, open_archive, read_entry, zipped
 from navfmu.files.markup import parse, validate
 from navfmu.fmi.definitions import repeated
 from navfmu.fmi.functions import lacking
+from navfmu.fmi.units import BASE, Unit
 
 NAME = "modelDescription.xml"
 #: Problems of the schema that do not matter here: no outputs, and a date that nobody reads.
@@ -49,6 +51,7 @@ def read(path: Path) -> dict[str, Any]:
     if root.find("CoSimulation") is None:
         raise NavfmuError(f"{where}: has no CoSimulation element: the FMU offers model exchange only")
     validate(root, _schema(), where, said, HARMLESS)
+    said += _leave_out_structure(root, where)
     model = _model(root, where)
     problems = [*repeated(root, where), *_problems(model, where)]
     lenient += [text.removeprefix(f"{path}: ") for text in said] + [f"{NAME}: {text}" for text in _alike(problems)]
@@ -65,6 +68,7 @@ def read(path: Path) -> dict[str, Any]:
     with open_archive(path, "FMU") as archive:
         lenient += lacking(archive, path, identifier, abilities)
     differences, faults = _differences(root), _fault_inputs(root)
+    units, display_units = _units(model, lenient), _display_units(model, lenient)
     experiment = model.defaultExperiment
     return {
         "fmi_version": version,
@@ -80,16 +84,13 @@ def read(path: Path) -> dict[str, Any]:
         "max_output_derivative_order": int(interface.maxOutputDerivativeOrder or 0),
         "stop_time": _float(experiment.stopTime) if experiment else None,
         "step_size": _float(experiment.stepSize) if experiment else None,
-        "tolerance": _float(experiment.tolerance) if experiment else None,
+        "tolerance": _tolerance(experiment.tolerance, lenient) if experiment else None,
         "variables": [
             [*_variable(variable, where), variable.name in differences, variable.name in faults]
             for variable in model.modelVariables
         ],
-        "units": {unit.name: _unit(unit) for unit in model.unitDefinitions},
-        "display_units": {
-            unit.name: {d.name: (float(d.factor or 1.0), float(d.offset or 0.0)) for d in unit.displayUnits}
-            for unit in model.unitDefinitions
-        },
+        "units": units,
+        "display_units": display_units,
         "enumerations": {
             kind.name: {item.name: int(item.value) for item in kind.items}
             for kind in model.typeDefinitions
@@ -196,12 +197,58 @@ def _file_name(name: str, where: str) -> str:
     return name
 
 
-def _unit(unit: Any) -> tuple[list[int] | None, float, float]:
-    base = unit.baseUnit
-    if base is None:
-        return None, 1.0, 0.0
-    exponents = [int(getattr(base, name) or 0) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")]
-    return exponents, float(base.factor if base.factor is not None else 1.0), float(base.offset or 0.0)
+def _units(model: Any, lenient: list[str]) -> dict[str, tuple[list[int] | None, float, float]]:
+    """Exponents, factor and offset of units; of one that has no base unit, or no numbers to convert with, its name."""
+    units: dict[str, tuple[list[int] | None, float, float]] = {}
+    for unit in model.unitDefinitions:
+        units[unit.name] = None, 1.0, 0.0
+        base = unit.baseUnit
+        if base is not None and _sound(f"unit '{unit.name}'", *_scale(base), lenient):
+            units[unit.name] = [int(getattr(base, name) or 0) for name in BASE], *_scale(base)
+    return units
+
+
+def _display_units(model: Any, lenient: list[str]) -> dict[str, dict[str, tuple[float, float]]]:
+    return {
+        unit.name: {
+            shown.name: _scale(shown)
+            for shown in unit.displayUnits
+            if _sound(f"display unit '{shown.name}'", *_scale(shown), lenient)
+        }
+        for unit in model.unitDefinitions
+    }
+
+
+def _scale(unit: Any) -> tuple[float, float]:
+    return float(1.0 if unit.factor is None else unit.factor), float(unit.offset or 0.0)
+
+
+def _sound(what: str, factor: float, offset: float, lenient: list[str]) -> bool:
+    sound = Unit(what, None, factor, offset).sound
+    if not sound:
+        lenient.append(f"{NAME}: {what} has the factor {factor:g} and the offset {offset:g}: nothing can be converted")
+    return sound
+
+
+def _tolerance(text: Any, lenient: list[str]) -> float | None:
+    """The tolerance that an FMU suggests, which is a positive number or none."""
+    value = _float(text)
+    if value is None or 0.0 < value < math.inf:
+        return value
+    lenient.append(f"{NAME}: the tolerance of its default experiment, {value:g}, is none and is left out")
+    return None
+
+
+def _leave_out_structure(root: Any, where: str) -> Iterator[str]:
+    """Empty a ModelStructure that names variables which are not there, for example because it counts from 0."""
+    count = len(root.findall("ModelVariables/ScalarVariable"))
+    for unknown in root.iterfind("ModelStructure//Unknown"):
+        for index in (unknown.get("index"), *(unknown.get("dependencies") or "").split()):
+            if not 1 <= int(index) <= count:
+                root.find("ModelStructure").clear()
+                place = f"{where}, line {unknown.sourceline}: ModelStructure"
+                yield f"{place} names the variable {index} of {count}, counted from 1: what it says is left out"
+                return
 
 
 def _differences(root: Any) -> set[str]:

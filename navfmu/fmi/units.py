@@ -6,6 +6,7 @@ values is ``factor * x``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from navfmu.errors import NavfmuError
@@ -21,6 +22,19 @@ class Unit:
     exponents: tuple[int, ...] | None = None
     factor: float = 1.0
     offset: float = 0.0
+
+    @property
+    def sound(self) -> bool:
+        """Whether values can be converted from it and to it, as far as numbers go."""
+        return math.isfinite(self.factor) and self.factor != 0.0 and math.isfinite(self.offset)
+
+    def agrees(self, other: Unit) -> bool:
+        """Whether values in both mean the same, as far as both are defined; definitions are rounded."""
+        if self.exponents is None or other.exponents is None:
+            return True
+        close = math.isclose(self.factor, other.factor, rel_tol=1e-6)
+        close = close and math.isclose(self.offset, other.offset, rel_tol=1e-6, abs_tol=1e-9)
+        return close and self.exponents[:7] == other.exponents[:7] and _angles_agree(self, other)
 
     @property
     def plain(self) -> bool:

@@ -32,7 +32,9 @@ def expand(description: Description, values: Mapping[str, Any], where: str) -> d
         if any(suffix.startswith(".") for suffix in found):
             members_ = ", ".join(found.values())
             raise NavfmuError(f"{where}: '{name}' is a bundle; name one of its members: {members_}")
-        values_ = spread(value, len(found), f"{where}: '{name}'")
+        own = description.by_name.get(name)
+        is_text = own is not None and own.type == "String" and isinstance(value, str)  # "[a]" is no list
+        values_ = [value] if is_text else spread(value, len(found), f"{where}: '{name}'")
         for variable_name, element in zip(found.values(), values_, strict=True):
             variable = description.by_name[variable_name]
             flat[variable_name] = checked(description, variable, element, where)

@@ -6,6 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
+LARGEST = 1e300  # in a picture: no double holds the length of an axis from -1e308 to 1e308
+
+
+def drawn(values: np.ndarray) -> np.ndarray:
+    """What a curve can show of the values; what is not finite is a gap. Signals that run away end near 1e308."""
+    return np.where(np.isfinite(values), np.clip(values, -LARGEST, LARGEST), np.nan)
+
 
 def remark(arrays: Iterable[np.ndarray]) -> str:
     """ "not finite at 3 of 8400 points", or "" when everything is a number."""

@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 
 from navfmu.errors import NavfmuError
-from navfmu.files.reading import what_is
+from navfmu.files.reading import resolved, what_is
 from navfmu.ssp.writer import SystemSource
 
 
 def sources(folder: str | Path, fmus: str | Path) -> dict[Path, SystemSource]:
     """Return the systems below ``folder`` (a package), described with the FMUs in ``fmus``, by their own folder."""
-    folder = Path(folder).resolve()
+    folder = resolved(folder)
     if what_is(folder) != "a folder":
         raise NavfmuError(f"there is no folder {folder}; expected one with systems")
     if str(folder.parent) not in sys.path:

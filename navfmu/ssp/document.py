@@ -5,11 +5,12 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
+SSP_1 = "http://ssp-standard.org/SSP1/"
 NAMESPACES = {
-    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
-    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
-    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
-    "ssm": "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
+    "ssc": f"{SSP_1}SystemStructureCommon",
+    "ssd": f"{SSP_1}SystemStructureDescription",
+    "ssv": f"{SSP_1}SystemStructureParameterValues",
+    "ssm": f"{SSP_1}SystemStructureParameterMapping",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }

@@ -20,7 +20,7 @@ from navfmu.files.markup import parse, validate
 from navfmu.files.reading import read_bytes, resolved, what_is
 from navfmu.fmi.units import BASE, Unit
 from navfmu.ssp import annotations
-from navfmu.ssp.document import MAIN, NAMESPACES, schema
+from navfmu.ssp.document import MAIN, NAMESPACES, SSP_1, schema
 from navfmu.ssp.structure import Component, Connection, Connector, Setting, Structure
 
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
@@ -118,6 +118,7 @@ class _Reader:
         expected = {"ssd": "SystemStructureDescription", "ssv": "ParameterSet", "ssm": "ParameterMapping"}[prefix]
         data = read_bytes(file, f"an XML document with <{prefix}:{expected}>")
         root = parse(data, label, self.lenient, NAMESPACES)
+        self._rename(root, expected, NAMESPACES[prefix], label)
         if root.tag != f"{{{NAMESPACES[prefix]}}}{expected}":
             raise NavfmuError(f"{label}: expected <{prefix}:{expected}> of SSP 1.0, found <{root.tag}>")
         version = root.get("version", "1.0")
@@ -131,10 +132,18 @@ class _Reader:
         self.ignored += [line for line in unread if line not in self.ignored]
         return root
 
+    def _rename(self, root: Any, expected: str, namespace: str, label: str) -> None:
+        """Give a document whose namespace is no other one of SSP 1 the right one: many write SSP1/ParameterValues."""
+        given, _, name = root.tag[1:].rpartition("}")
+        if name == expected and given.startswith(SSP_1) and given not in NAMESPACES.values():
+            self.lenient.append(f"{label}: its namespace is '{given}', expected '{namespace}'")
+            for element in root.iter(f"{{{given}}}*"):
+                element.tag = f"{{{namespace}}}{element.tag.rpartition('}')[2]}"
+
     def _resolve(self, source: str, where: str) -> Path:
         """A file beside the SSD; nothing outside its folder and nothing from a network."""
         parts = urlsplit(source)
-        if parts.scheme or parts.netloc or parts.fragment:
+        if parts.scheme or parts.netloc or parts.query or parts.fragment:
             raise NavfmuError(f"{where}: source '{source}' is not supported, expected a relative path")
         base, name = self.file.parent.resolve(), unquote(parts.path)
         if "\\" in name and not self._is_there(base / name, where):
@@ -297,6 +306,7 @@ class _Reader:
         where = f"{self._label(self.file)}, line {binding.sourceline}: parameter binding"
         _check_source(binding, "application/x-ssp-parameter-set", where)
         inline = binding.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
+        self._note_second(binding, inline)
         if binding.get("source"):
             file = self._resolve(binding.get("source"), where)
             if not self._is_there(file, where):
@@ -310,6 +320,13 @@ class _Reader:
         settings = self._settings(root, label, binding.get("prefix") or "")
         mapping = binding.find("ssd:ParameterMapping", NAMESPACES)
         return settings if mapping is None else self._mapped(settings, mapping, where)
+
+    def _note_second(self, element: Any, inline: Any) -> None:
+        """Of a source and a document inside, only the source is read."""
+        if element.get("source") and inline is not None:
+            kind = inline.tag.rpartition("}")[2]
+            place = f"{self._label(self.file)}, line {inline.sourceline}"
+            self.ignored.append(f"{place}: the {kind} inside an element that has the source '{element.get('source')}'")
 
     def _settings(self, root: Any, label: str, prefix: str) -> list[Setting]:
         units = self._units(root.find("ssv:Units", NAMESPACES), label)
@@ -344,6 +361,7 @@ class _Reader:
         where = f"{where}, its parameter mapping"
         _check_source(element, "application/x-ssp-parameter-mapping", where)
         inline = element.find("ssm:ParameterMapping", NAMESPACES)
+        self._note_second(element, inline)
         if element.get("source"):
             file = self._resolve(element.get("source"), where)
             if not self._is_there(file, where):
@@ -407,7 +425,12 @@ class _Reader:
             base, name = unit.find("ssc:BaseUnit", NAMESPACES), unit.get("name")
             exponents = tuple(int(base.get(power, 0)) for power in BASE)
             defined = Unit(name, exponents, float(base.get("factor", 1.0)), float(base.get("offset", 0.0)))
-            self._add(found, name, defined, f"{label}, line {unit.sourceline}: unit '{name}'")
+            where = f"{label}, line {unit.sourceline}: unit '{name}'"
+            if not defined.sound:
+                scale = f"the factor {defined.factor:g} and the offset {defined.offset:g}"
+                self.lenient.append(f"{where}: has {scale}: nothing can be converted")
+                defined = Unit(name)
+            self._add(found, name, defined, where)
         return found
 
     def _experiment(self, root: Any) -> tuple[float | None, float | None]:

@@ -287,17 +287,28 @@ def _single(file: Path) -> Structure:
 def _check_connectors(component: Component, fmu: Fmu, lenient: list[str]) -> None:
     for connector in component.connectors.values():
         where = f"{component.where}, connector '{connector.name}'"
-        if connector.kind in ("parameter", "calculatedParameter") and connector.name not in fmu.description.by_name:
+        is_parameter = connector.kind in ("parameter", "calculatedParameter")
+        if is_parameter and connector.name not in fmu.description.by_name:
             lenient.append(f"{where}: is a parameter that {fmu.path.name} does not have")
             continue
         variable = fmu.description.variable(connector.name, where)
         kind = "Integer" if connector.type == "Enumeration" else connector.type
         if kind not in (None, variable.type):
-            raise NavfmuError(f"{where}: is {connector.type}, but the FMU's variable is {variable.type}")
+            sentence = f"{where}: is {connector.type}, but the FMU's variable is {variable.type}"
+            if not is_parameter:
+                raise NavfmuError(sentence)
+            lenient.append(sentence)  # nothing goes through it
         if connector.kind in ("input", "output", "parameter") and connector.kind != variable.causality:
             raise NavfmuError(f"{where}: is an {connector.kind}, but the FMU's variable is {variable.causality}")
         if connector.unit is not None and variable.unit:
+            _check_name(_unit_of(fmu, variable), connector.unit, where, lenient)
             conversion(_unit_of(fmu, variable), connector.unit, where)
+
+
+def _check_name(one: Unit | None, other: Unit | None, where: str, lenient: list[str]) -> None:
+    """Two units of one name are taken for one unit, also where they are defined differently."""
+    if one is not None and other is not None and one.name == other.name and not one.agrees(other):
+        lenient.append(f"{where}: the unit '{one.name}' has two different definitions, and is taken by its name")
 
 
 def _unit_of(fmu: Fmu, variable: Variable) -> Unit | None:
@@ -326,6 +337,9 @@ def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure:
             ignored.append(f"{setting.where}: '{name}' is connected to '{fed[name]}'")
             continue
         where, unit = f"{setting.where}: {component.name}", _setting_unit(component, fmu, variable)
+        _check_name(setting.unit, unit, f"{setting.where}: '{name}'", structure.lenient)
+        if setting.type == "String" and variable.type != "String":
+            structure.lenient.append(f"{setting.where}: '{name}' is {variable.type} and is given as a String")
         if unit is None and setting.unit is not None and not setting.unit.plain:
             ignored.append(f"{setting.where}: the unit '{setting.unit.name}' of '{name}', which has none")
         if isinstance(setting.value, str) and setting.type == "Enumeration":
@@ -395,6 +409,7 @@ def _link(connection: Connection, structure: Structure, fmus: Mapping[str, Fmu])
         raise NavfmuError(f"{where}: goes from {source.causality} to {target.causality}, expected output to input")
     steps = [conversion(source_unit, start_unit, where, difference=source.relative)]
     if connection.convert_units:
+        _check_name(start_unit, end_unit, where, structure.lenient)
         steps.append(conversion(start_unit, end_unit, where, difference=source.relative))
     steps.append((connection.factor, connection.offset))
     steps.append(conversion(end_unit, target_unit, where, difference=target.relative))

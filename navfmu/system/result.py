@@ -54,7 +54,8 @@ def check_folder(folder: str | Path, *files: str) -> Path:
     if not str(folder).strip():
         raise NavfmuError("the name of the folder to write into is empty")
     folder = Path(folder)
-    existing = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if what_is(parent))
+    above = (folder.absolute(), *folder.absolute().parents)
+    existing = next(place for place in above if what_is(place) or place.is_symlink())  # a link to nothing is in the way
     if what_is(existing) != "a folder":
         raise NavfmuError(f"{folder}: cannot be written: {existing} is not a folder")
     if not os.access(existing, os.W_OK):

@@ -12,6 +12,7 @@ from navfmu.cli.main import main
 from navfmu.export import Component, Input, Output, Parameter, every, require
 from navfmu.export.build import build
 from navfmu.system import shipped
+from navfmu.system.experiment import Experiment
 from tests.components import systems
 from tests.ssp import fmus
 
@@ -85,6 +86,7 @@ ARGUMENTS = {
     "a seed of more than 32 bits": (["--seed", "4294967297"], "expected"),
     "a parameter that is an output": (["--set", "lag.y=1"], "cannot be set: it is output"),
     "a parameter without a value": (["--set", "lag.tau"], "expected component.parameter=value"),
+    "a parameter with an empty value": (["--set", "lag.tau="], "expected a number"),
     "a unit that does not convert": (["--set", "lag.tau=3 m"], "'m' cannot be converted to 's'"),
     "an unknown signal": (["--record", "lag.z"], "has no variable 'z'"),
     "a pattern that matches nothing": (["--record", "lag.z*"], "no output matches"),
@@ -264,6 +266,16 @@ def test_a_result_is_not_written_where_it_cannot_be(tmp_path):
     (tmp_path / "file").write_text("x")
     refused(navfmu("run", systems.tracker(), "--out", tmp_path / "file" / "o.csv"), "is not a folder")
     refused(navfmu("run", systems.tracker(), "--out", tmp_path / "o.csv" / ".."), "expected .parquet or .csv")
+
+
+@pytest.mark.parametrize("words", [["--report", "link"], ["--report", "link/r"], ["--out", "link/o.csv"]])
+@pytest.mark.parametrize("to", ["nowhere/at/all", "link"])
+def test_a_link_to_nothing_is_in_the_way_before_the_run(words, to, tmp_path, monkeypatch):
+    """It was told after the run, whose results were lost."""
+    (tmp_path / "link").symlink_to(to)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Experiment, "run", lambda *_: pytest.fail("it was run"))
+    refused(navfmu("run", systems.tracker().resolve(), *words), f"{tmp_path / 'link'} is not a folder")
 
 
 def test_a_run_that_fails_leaves_an_older_result_alone(tmp_path):

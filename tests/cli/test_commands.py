@@ -128,6 +128,13 @@ def test_commas_inside_brackets_do_not_separate_signals():
     from navfmu.cli.options import names
 
     assert names(["a.C[1,2],b.x", " c "]) == ["a.C[1,2]", "b.x", "c"]
+    assert names(["a.f(x,y),a.'p,q', a.it's"]) == ["a.f(x,y)", "a.'p,q'", "a.it's"]  # of other makers
+
+
+def test_a_text_may_be_empty():
+    from navfmu.cli.options import assigned
+
+    assert assigned(["a.label=", "a.b = x=y "]) == {"a.label": "", "a.b": "x=y"}
 
 
 def test_sweep_writes_table_picture_and_report(tmp_path):

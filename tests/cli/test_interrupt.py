@@ -35,6 +35,14 @@ def test_during_the_import_of(module):
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "navfmu: interrupted\n")
 
 
+@pytest.mark.parametrize("module", ["navfmu.export.build", "navfmu.export.discovery", "navfmu.terminal.progress"])
+def test_while_fmus_are_built(module):
+    """It was "Aborted!", with the code 1."""
+    code = CODE.replace("navfmu.__main__", "navfmu.export.__main__")
+    done = subprocess.run([sys.executable, "-c", code, module], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "navfmu: interrupted\n")
+
+
 def test_the_package_itself_imports_nothing():
     code = "import sys; before = set(sys.modules); import navfmu; print(*sorted(set(sys.modules) - before))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

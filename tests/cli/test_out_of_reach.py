@@ -123,6 +123,36 @@ def test_below_all_of_them_is_a_net(monkeypatch):
     assert sentence("info") == "navfmu: no/folder: cannot be reached: No such file or directory\n"
 
 
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (OSError(errno.EMFILE, "Too many open files"), "the system refuses: Too many open files"),
+        (OSError("cannot load library"), "the system refuses: cannot load library"),
+        (OSError(), "the system refuses: OSError"),
+    ],
+)
+def test_what_the_system_refuses_without_the_name_of_a_file(error, said, monkeypatch):
+    """It was a traceback."""
+
+    @click.command()
+    def command() -> None:
+        raise error
+
+    monkeypatch.setattr(line._Commands, "get_command", lambda *_: command)
+    assert sentence("info") == f"navfmu: {said}\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there the current folder cannot be removed")
+@pytest.mark.parametrize("program", ["navfmu run {tracker} --stop 1 --report r", "navfmu.export --out dist"])
+def test_the_current_folder_is_gone(program, tmp_path):
+    words = program.format(tracker=systems.tracker().resolve()).split()
+    gone = f"import os, sys, runpy; os.rmdir(os.getcwd()); sys.argv = {words!r}; "
+    gone += "runpy.run_module(sys.argv[0], run_name='__main__', alter_sys=True)"
+    done = subprocess.run([sys.executable, "-c", gone], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    said = f"{words[0]}: the current folder: cannot be reached: No such file or directory\n"
+    assert (done.returncode, done.stderr) == (2, said)
+
+
 @pytest.mark.skipif(getattr(os, "geteuid", lambda: 1)() != 0, reason="only root can become nobody")
 def test_as_the_system_has_it(tmp_path):
     """Not as a test plays it: as a user who may not enter the folder."""

@@ -41,6 +41,14 @@ def test_a_refused_step_ends_the_run_with_the_message_of_the_fmu(engine, status,
 
 
 @ENGINES
+@pytest.mark.parametrize("call", [ENTER, EXIT, STEP, TERMINATE])
+def test_a_status_that_fmi_does_not_have_is_none_after_which_a_run_goes_on(engine, call):
+    """A negative one is less than that of a warning."""
+    with pytest.raises(RunError, match=r"gave up at .* returned status -1 at t = "):
+        engine.run(plan(call, -1, fail_at=0.0))
+
+
+@ENGINES
 def test_an_asynchronous_step_is_refused(engine):
     with pytest.raises(RunError, match=r"asynchronous steps are not supported \(fmi2DoStep returned Pending"):
         engine.run(plan(STEP, PENDING))

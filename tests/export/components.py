@@ -113,6 +113,26 @@ class TwoRates(Component):
         self.periods = np.array([self.periods[0], self.period])
 
 
+class Lag(Component):
+    """First-order lag whose factor follows from parameters, of which one can be tuned, and from the start task."""
+
+    u = Input("m", description="input")
+    time_constant = Parameter("s", start=1.0, min=0.01, description="time constant")
+    gain = Parameter("1", start=1.0, tunable=True, description="gain")
+    sample_period = Parameter("s", start=0.1, min=0.01, description="sampling period")
+    offset = State("m", description="made at the start")
+    y = Output("m", description="output")
+
+    @start
+    def begin(self):
+        self.offset = 2.0 * self.time_constant
+
+    @every("sample_period")
+    def lag(self):
+        factor = np.exp(-self.period / self.time_constant)
+        self.y = factor * self.y + (1.0 - factor) * self.gain * self.u + np.sqrt(1.0 + self.offset) * np.sqrt(self.gain)
+
+
 class Mixed(Component):
     """Variables of every kind, and tasks that fail when an Integer would get a fraction."""
 

@@ -192,6 +192,7 @@ def test_somebody_elses_folder_of_components_is_built_and_rebuilt_when_an_equati
     [
         (["doublr"], "there is no component 'doublr'; expected one of doubler; did you mean 'doubler'?"),
         (["--folder", "nowhere"], "there is no folder"),
+        (["--folder", "loop"], "there is no folder"),
         (["--folder", "empty"], "defines a subclass of navfmu.export.Component"),
         (["--platforms", "win46"], "unknown platform 'win46'"),
         (["--folder", "broken"], "wrong.py, line 2: NameError: name 'y' is not defined"),
@@ -203,6 +204,7 @@ def test_wrong_calls_end_with_a_sentence_and_code_2(tmp_path, arguments, sentenc
     for folder, text in (("empty", ""), ("broken", "\nx = y\n"), ("unreadable", "def\n")):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "wrong.py").write_text(text)
+    (tmp_path / "loop").symlink_to("loop")
     done = command(tmp_path, *arguments)
     assert done.returncode == 2
     assert sentence in done.stderr

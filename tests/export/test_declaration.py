@@ -203,6 +203,9 @@ DECLARATIONS = {
     "fault output": (lambda: Output("m", fault=True), "inputs"),
     "mixed bundle": (lambda: Bundle(a=Input("m"), b=Output("m")), "all Input or all Output"),
     "member called valid": (lambda: Bundle(valid=Input("m")), "'valid'"),
+    "member called as its view has it": (lambda: Bundle(_bundle=Output("m")), "the name '_bundle' is taken"),
+    "member called as Python has it": (lambda: Bundle(__x=Output("m")), "the name '__x' is taken"),
+    "member called as the option of publish": (lambda: Bundle(when=Output("m")), "the name 'when' is taken"),
     "every number": (lambda: every(0.1), "name of a Parameter"),
     "on_new without name": (lambda: on_new(None), "input Bundle"),
     "table of wrong width": (lambda: Table(columns=(("time", "s"),), rows=[[0, 1], [1, 2]]), "(2, 2)"),
@@ -245,6 +248,8 @@ def _greedy():
 
 CLASSES = {
     "unknown period": (_class(T=Parameter("s"), step=every("S")(_quiet())), "'S'", "Parameter in s"),
+    "braces in a sentence": (_class(x=Parameter("m"), check=require("x {x} of {{x}}")(_quiet())), "no braces but"),
+    "a single brace": (_class(x=Parameter("m"), check=require("x {x} }")(_quiet())), "no braces but"),
     "period of two": (_class(T=Parameter(2, "s"), step=every("T")(_quiet())), "'T'"),
     "tunable period": (_class(T=Parameter("s", tunable=True), step=every("T")(_quiet())), "tunable"),
     "unknown bundle": (
@@ -429,6 +434,23 @@ def test_requirements_are_over_parameters():
     refused(lambda: lower(Wrong), "'u'")
 
 
+@pytest.mark.parametrize("what", ["time", "a table"])
+def test_requirements_see_neither_time_nor_tables(what):
+    """C looked at them with a time of 0 and rows of zeros, and the interpreter with those of the start."""
+
+    class Late(Component):
+        """Late."""
+
+        limit = Parameter("s", start=2.0)
+        track = Table(columns=(("time", "s"),), rows=[[1.0], [3.0]])
+
+        @require("limit {limit} s")
+        def check(self):
+            return self.limit > (self.time if what == "time" else self.track.row[0])
+
+    refused(lambda: lower(Late), "a requirement is over parameters", f"over {what}")
+
+
 def test_a_task_may_use_start_twice():
     class Two(Component):
         """Two start tasks, the second sees the first."""
@@ -518,6 +540,23 @@ def test_names_of_variables_are_those_of_fmi():
     expected = "cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
     for make, name in ((plain, "größe"), (member, "fix.höhe"), (blank, "fix.a b")):
         refused(make, f"'{name}' {expected}")
+
+
+def test_a_member_may_be_called_self():
+    """Declared or published by keyword it was taken for the object itself: TypeError."""
+
+    class Own(Component):
+        """Own."""
+
+        T = Parameter("s", start=0.1)
+        tick = "T"
+        out = Bundle(**{"self": Output("m")})
+
+        @every("T")
+        def go(self):
+            self.out.publish(**{"self": 2.0})
+
+    assert "out.self" in [variable.name for variable in lower(Own).variables]
 
 
 def test_integers_have_all_of_32_bits():

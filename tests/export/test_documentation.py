@@ -13,10 +13,11 @@ from navfmu.export import Example, toolchain
 from navfmu.export.build import build, library, prepare
 from navfmu.export.documentation import page
 from navfmu.export.lower import lower
-from navfmu.export.response import step_response
+from navfmu.export.picture import picture
+from navfmu.export.response import Response, step_response
 from tests import built
 
-from .components import Sensor, TwoRates
+from .components import Sensor, Source, TwoRates
 
 
 def read(path):
@@ -115,3 +116,12 @@ def test_the_page_of_a_python_twin_says_that_it_needs_python():
 @pytest.mark.parametrize("name", sorted(built.components()))
 def test_every_shipped_component_says_what_its_picture_shows(name):
     assert len(built.components()[name].example.text) > 40
+
+
+def test_a_response_that_runs_away_is_drawn():
+    """Matplotlib cannot draw an axis whose length is no number."""
+    model, time = lower(Source), np.arange(4.0)
+    index = next(v.index for v in model.variables if v.name == "x")
+    values = np.array([[0.0], [1.7e308], [-1.7e308], [np.inf]])
+    response = Response(time, [index], values, None, {}, [], Example(), {})
+    assert picture(model, response).startswith(b"\x89PNG")

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.export import life
+from navfmu.export import Component, Output, Parameter, every, life, require
+from navfmu.export.build import build
 from navfmu.export.codegen import generate
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.life import State
@@ -317,6 +318,35 @@ def test_an_integer_that_would_get_a_fraction_fails_the_step_and_reset_helps(unz
     assert floats.state == State.FAILED
     with pytest.raises(NavfmuError, match="'level' is an Integer"):
         Interpreter(Mixed).set("level", 0.5)
+
+
+@pytest.mark.parametrize("sentence", ['why "{x}" ???/', 'wie "{x}" ü ??/ ?'])
+def test_a_requirement_says_what_it_was_given_to_say(sentence, tmp_path):
+    """In C99, ??/ in a text is a backslash, which takes the character behind it along, or the end of the text."""
+
+    class Asks(Component):
+        """Asks."""
+
+        x = Parameter("m", start=1.0)
+        y = Output("m")
+        sample_period = Parameter("s", start=0.1)
+
+        @every("sample_period")
+        def step(self):
+            self.y = self.x
+
+        @require(sentence)
+        def hold(self):
+            return self.x < 2.0
+
+    (path,) = build([Asks], tmp_path, pictures=False)
+    native, floats = Slave(Unzipped(path, tmp_path / "asks")), Interpreter(Asks)
+    assert native.initialise(x=3.0) == ERROR
+    floats.set("x", 3.0)
+    with pytest.raises(NavfmuError) as told:
+        floats.setup()
+    assert native.said == str(told.value) == sentence.replace("{x}", "3")
+    native.free()
 
 
 def test_the_generated_c_code_takes_its_rules_from_the_table():

@@ -29,7 +29,7 @@ def advance(slave, start, count, seed):
     return rows, time
 
 
-NAMES = ["sensor", "listener", "source", "two_rates"]
+NAMES = ["sensor", "listener", "source", "two_rates", "lag"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -61,6 +61,23 @@ def test_serialised_state_continues_in_another_instance(unzipped, name):
     assert two.call("SetFMUstate", copy) == OK
     assert advance(two, time, 30, 2)[0] == expected
     assert two.serialise(copy) == data
+    for slave, held in ((one, state), (two, copy)):
+        slave.call("FreeFMUstate", ctypes.byref(held))
+        slave.free()
+
+
+@pytest.mark.parametrize("values", [{"sample_period": 0.2}, {"time_constant": 5.0}, {"gain": 2.0}])
+def test_a_state_brings_its_parameters_into_an_instance_that_has_others(unzipped, values):
+    """And what was calculated from them once and for all: else the other instance goes on with its own."""
+    one, two = Slave(unzipped["lag"]), Slave(unzipped["lag"])
+    one.initialise()
+    two.initialise(**values)
+    _, time = advance(one, 0.0, 20, 1)
+    assert advance(two, 0.0, 20, 1)[0][-1] != one.everything()
+    state = one.save()
+    status, copy = two.deserialise(one.serialise(state))
+    assert (status, two.call("SetFMUstate", copy)) == (OK, OK)
+    assert advance(two, time, 30, 2)[0] == advance(one, time, 30, 2)[0]
     for slave, held in ((one, state), (two, copy)):
         slave.call("FreeFMUstate", ctypes.byref(held))
         slave.free()

@@ -94,20 +94,34 @@ def test_other_line_ends_empty_lines_and_notations_are_read(source):
     assert x_at_one(source) == 2.5
 
 
-def test_numbers_are_read_whatever_the_hosts_locale_is(source, tmp_path, monkeypatch):
+#: A mark of one byte, which is the one between the numbers, too, and a mark of two bytes.
+LANGUAGES = ("de_DE", "ps_AF")
+
+
+@pytest.fixture(scope="module")
+def languages(tmp_path_factory):
+    """A folder of locales, made where their sources are."""
+    folder = tmp_path_factory.mktemp("locales")
+    for name in LANGUAGES:
+        if shutil.which("localedef") and Path(f"/usr/share/i18n/locales/{name}").is_file():
+            command = ["localedef", "-i", name, "-f", "UTF-8", str(folder / f"{name}.UTF-8")]
+            subprocess.run(command, check=False, capture_output=True)
+    return folder
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("rows", ["0.0,0.0\n1.0,2.0\n3.0,0.0\n", "0,0.5\n1,2\n3,1\n", "-1,0\n0,0\n2,4\n"])
+def test_numbers_are_read_whatever_the_hosts_locale_is(source, languages, monkeypatch, language, rows):
     before = locale.setlocale(locale.LC_NUMERIC)
-    if shutil.which("localedef") and Path("/usr/share/i18n/locales/de_DE").is_file():
-        subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(tmp_path / "de_DE.UTF-8")], check=False)
-        monkeypatch.setenv("LOCPATH", str(tmp_path))
-    for name in ("de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"):
-        try:
-            locale.setlocale(locale.LC_NUMERIC, name)
-            break
-        except locale.Error:
-            continue
-    else:
-        pytest.skip("no locale with a decimal comma is installed")
+    (source.folder / "resources" / "track.csv").write_text(f"time (s),x (m)\n{rows}")
+    if any(languages.iterdir()):
+        monkeypatch.setenv("LOCPATH", str(languages))
     try:
+        locale.setlocale(locale.LC_NUMERIC, f"{language}.UTF-8")
+    except locale.Error:
+        pytest.skip(f"the locale {language} is not installed and cannot be made")
+    try:
+        assert locale.localeconv()["decimal_point"] != "."
         assert x_at_one(source) == 2.5
     finally:
         locale.setlocale(locale.LC_NUMERIC, before)

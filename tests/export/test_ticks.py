@@ -126,6 +126,18 @@ def test_inputs_follow_their_derivative_over_the_coming_step_only(unzipped):
     slave.free()
 
 
+@pytest.mark.parametrize("slope", [0.0, -0.0])
+def test_a_derivative_of_0_changes_no_bit_of_an_input(slope, unzipped):
+    """-0 + 0 is +0."""
+    slave = Slave(unzipped["two_rates"])
+    slave.initialise()
+    slave.set("u", -0.0)
+    assert slave.derivative("u", slope) == OK
+    slave.step(0.0, 0.1)
+    assert math.copysign(1.0, slave.get("sampled")) == -1.0
+    slave.free()
+
+
 def test_a_derivative_can_be_set_in_every_state_in_which_the_value_can(unzipped):
     for enter in ([], ["EnterInitializationMode"], ["EnterInitializationMode", "ExitInitializationMode"]):
         slave = Slave(unzipped["two_rates"])

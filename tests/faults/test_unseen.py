@@ -177,6 +177,18 @@ def test_what_a_step_that_is_not_complete_has_not_come_to_was_not_taken(tmp_path
     assert set(found) == ({"to_c"} if algorithm == "gauss_seidel" else set())
 
 
+@pytest.mark.parametrize(("start", "changed"), [(0.4, True), (0.5, True), (0.6, False)])
+def test_who_has_taken_the_value_before_the_step_has_not_taken_the_one_at_its_end(tmp_path, start, changed):
+    """e ends the run in the step from 0.5 s. r gets what left before it, t would get what leaves at 0.6 s."""
+    file = write(tmp_path / "stepper.fmu")
+    components = [stepper("r", file), stepper("s", file), stepper("e", file, ends_at=0.55), stepper("t", file)]
+    links = [Link("r.double", "s.number"), Link("s.double", "r.number"), Link("s.double", "t.number")]
+    links += [Link("s.x", "e.u"), Link("e.x", "t.u")]
+    made = make_plan(components, links, step=0.1, stop=1.0, faults=(stuck(start, 0.2, 7, "s.double"),), record=["e.x"])
+    assert made.order == (0, 1, 2, 3)
+    assert ("stuck" not in run_both(made).idle) == changed
+
+
 @ALGORITHMS
 @pytest.mark.parametrize("kind", [Compiled, Reference])
 def test_a_fault_that_an_fmu_refuses_in_the_step_in_which_another_ends_the_run(tmp_path, kind, algorithm):

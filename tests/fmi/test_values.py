@@ -44,6 +44,9 @@ def given(**start):
         ("on", np.bool_(True), True),
         ("on", 0, False),
         ("label", "a b", "a b"),
+        ("label", "[a]", "[a]"),  # was "a"
+        ("label", ["[a]"], "[a]"),
+        ("label", "[1, 2]", "[1, 2]"),  # was refused as two values
         ("state", 2, 2.0),
     ],
 )

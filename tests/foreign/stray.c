@@ -1,5 +1,6 @@
 /* A test FMU that changes how its thread calculates, and leaves it so. Its instance name says in which call and what:
-   "step_rounding", "instantiate_subnormals", "get_traps", "free_rounding"; other names change nothing.
+   "step_rounding", "instantiate_subnormals", "get_traps", "free_rounding"; other names change nothing. One that has
+   "ends" in it discards steps that begin after 0.65 s, as an end of the run.
    Outputs, value references 0..2: `sum` of 0.1 each step, `tiny` subnormal, `nothing` 0 / 0. STRAY_LOAD: at loading. */
 #include <fenv.h>
 #include <stdio.h>
@@ -12,7 +13,7 @@
 #include "fmi2Functions.h"
 
 typedef struct {
-    double sum, tiny, nothing;
+    double sum, tiny, nothing, time;
     char name[64];
     const fmi2CallbackFunctions *callbacks;
 } Stray;
@@ -68,15 +69,29 @@ void fmi2FreeInstance(fmi2Component c) {
 }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean never_back) {
     Stray *s = c;
-    (void)t, (void)h, (void)never_back;
+    fmi2Status status = strstr(s->name, "ends") && t > 0.65 ? fmi2Discard : fmi2OK;
+    (void)never_back;
+    s->time = t + h;
     calculate(s);
     change(s->name, "step");
-    return fmi2OK;
+    return status;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     Stray *s = c;
     for (size_t k = 0; k < n; k++) value[k] = vr[k] == 0 ? s->sum : vr[k] == 1 ? s->tiny : s->nothing;
     change(s->name, "get");
+    return fmi2OK;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    (void)c;
+    *value = kind == fmi2Terminated;
+    return fmi2OK;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+    Stray *s = c;
+    (void)kind;
+    *value = s->time;
+    change(s->name, "status");
     return fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
@@ -123,7 +138,5 @@ REFUSED(fmi2GetRealOutputDerivatives, fmi2Component c, const fmi2ValueReference 
         fmi2Real value[])
 REFUSED(fmi2CancelStep, fmi2Component c)
 REFUSED(fmi2GetStatus, fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
-REFUSED(fmi2GetRealStatus, fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 REFUSED(fmi2GetIntegerStatus, fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
-REFUSED(fmi2GetBooleanStatus, fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 REFUSED(fmi2GetStringStatus, fmi2Component c, const fmi2StatusKind s, fmi2String *value)

@@ -42,8 +42,8 @@ def stray(name: str, binary: Path | None = None) -> Component:
     return Component(name, Fmu(binary, "", binary.parent, binary, description), {})
 
 
-def plan(*names: str, **options):
-    return make_plan([stray(name, **options) for name in names], [], step=0.125, stop=4.0, record=["*.*"])
+def plan(*names: str, step: float = 0.125, **options):
+    return make_plan([stray(name, **options) for name in names], [], step=step, stop=4.0, record=["*.*"])
 
 
 def bits(recording, name="clean"):
@@ -72,6 +72,16 @@ def test_a_run_has_the_same_bits_after_and_beside_an_fmu_that_changes_them(engin
     assert bits(after) == ordinary
     assert notes(after) == []
     assert notes(beside) == [f"component '{call}_{what}' changed {SAID[what]}: put back after each of its calls"]
+
+
+@ENGINES
+@pytest.mark.parametrize("call", ["step", "status"])
+@pytest.mark.parametrize("what", WHAT)
+def test_how_far_a_discarded_step_got_is_calculated_in_the_ordinary_way(engine, call, what):
+    """Of an FMU that traps what is not exact it was said that it crashed: the engine had, on 0.8 s."""
+    recording = engine.run(plan(f"{call}_{what}_ends", "clean", step=0.1))
+    assert recording.time[-1] == 0.8
+    assert notes(recording)[-1].endswith(f"changed {SAID[what]}: put back after each of its calls")
 
 
 @ENGINES

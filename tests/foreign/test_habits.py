@@ -11,6 +11,7 @@ from navfmu import System
 from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from navfmu.fmi import fmu
+from tests.ssp import fmus
 
 from . import stepper
 from .habits import lag, replaced
@@ -80,6 +81,26 @@ FMUS = {
         {"description": replaced(('<String start="probe"/>', "<String/>"))},
         'variable "label" has no start value',
     ),
+    "a unit without a factor": (
+        {"description": replaced(('<BaseUnit m="1"/>', '<BaseUnit m="1" factor="0"/>'))},
+        "modelDescription.xml: unit 'm' has the factor 0 and the offset 0: nothing can be converted",
+    ),
+    "a display unit without end": (
+        {"description": replaced(('factor="0.0005399568034557236"', 'factor="INF" offset="1"'))},
+        "modelDescription.xml: display unit 'nmi' has the factor inf and the offset 1: nothing can be converted",
+    ),
+    "a tolerance of 0": (
+        {"description": replaced(("<ModelVariables>", '<DefaultExperiment tolerance="0"/><ModelVariables>'))},
+        "modelDescription.xml: the tolerance of its default experiment, 0, is none and is left out",
+    ),
+    "variables counted from 0": (
+        {"description": replaced(('<Unknown index="2"/>', '<Unknown index="1" dependencies="0"/>'))},
+        "ModelStructure names the variable 0 of 5, counted from 1: what it says is left out",
+    ),
+    "a structure with more variables": (
+        {"description": replaced(('<Unknown index="2"/>', '<Unknown index="2"/><Unknown index="6"/>'))},
+        "ModelStructure names the variable 6 of 5, counted from 1: what it says is left out",
+    ),
 }  # fmt: skip
 
 
@@ -148,6 +169,18 @@ def test_a_library_without_the_functions_of_what_the_fmu_claims_is_refused(tmp_p
         run(file)
 
 
+def test_truth_values_may_have_spaces_around_them(tmp_path):
+    """XML schemas take them away; who does not, reads true as false."""
+    change = replaced(
+        ("<CoSimulation ", '<CoSimulation canBeInstantiatedOnlyOncePerProcess=" 1 " canInterpolateInputs="\ntrue" '),
+        ('<Real unit="m" start="2"', '<Real unit="m" start="2" relativeQuantity="true "'),
+        ("</ModelVariables>", fmus.variable("on", "input", "Boolean", 0, start=" true ") + "</ModelVariables>"),
+    )
+    about = System.load(lag(tmp_path, change)).descriptions["probe"]
+    assert about.only_one_instance and about.can_interpolate_inputs and about.by_name["u"].relative
+    assert about.by_name["on"].start is True
+
+
 @pytest.mark.parametrize("version", ["1.0", "3.0"])
 def test_other_versions_of_fmi_are_told(tmp_path, version):
     file = lag(tmp_path, replaced(('fmiVersion="2.0"', f'fmiVersion="{version}"')))
@@ -196,6 +229,7 @@ SSV = """<ssv:ParameterSet version="1.0" name="p" xmlns:ssv="http://ssp-standard
 OUTPUT = '<ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector>'
 OSP = ' xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations"'
 ORPHAN = '<ssd:Connector name="mass" kind="parameter"><ssc:Real/></ssd:Connector></ssd:Connectors>'
+UNITS = "<ssd:Units><ssc:Unit name='u'><ssc:BaseUnit {}/></ssc:Unit></ssd:Units>"
 SYSTEMS = {
     "an undeclared prefix": (replaced((OSP, "")), "the prefix 'osp' is not declared"),
     "an unknown attribute": (
@@ -206,11 +240,29 @@ SYSTEMS = {
         replaced(("</ssd:Connectors>", ORPHAN)),
         "line 7: Component 'a', connector 'mass': is a parameter that lag.fmu does not have",
     ),
+    "a parameter of another type": (
+        replaced(("</ssd:Connectors>", ORPHAN.replace("mass", "tau").replace("Real", "Binary"))),
+        "line 7: Component 'a', connector 'tau': is Binary, but the FMU's variable is Real",
+    ),
     "a connection of what is no connector": (
         replaced(
             ('<ssd:Connectors><ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>', "")
         ),
         "component 'a' does not list a connector 'y'",
+    ),
+    "a unit without a factor": (
+        replaced(("  <ssd:DefaultExperiment", UNITS.format('s="1" factor="0"') + "<ssd:DefaultExperiment")),
+        "unit 'u': has the factor 0 and the offset 0: nothing can be converted",
+    ),
+    "a unit that the FMU defines otherwise": (
+        replaced(
+            (
+                "  <ssd:DefaultExperiment",
+                UNITS.replace("'u'", "'m'").format('m="1" factor="1000"') + "<ssd:DefaultExperiment",
+            ),
+            ("<ssc:Real/>", '<ssc:Real unit="m"/>'),
+        ),
+        "connector 'y': the unit 'm' has two different definitions, and is taken by its name",
     ),
 }
 
@@ -244,6 +296,19 @@ def test_a_package_whose_names_begin_with_a_dot_and_a_parameter_set_without_its_
         "names in the archive begin with './'",
         "a.ssv, line 1: the prefix 'ssv' is not declared",
     ]
+
+
+def test_a_parameter_set_in_a_namespace_that_ssp_does_not_have_is_read(tmp_path):
+    file = packed(tmp_path, ssv=SSV.replace("SSP1/SystemStructureParameterValues", "SSP1/ParameterValues"))
+    system = System.load(file)
+    assert system.values["a"] == {"u": 3.0}
+    space = "http://ssp-standard.org/SSP1/"
+    said = f"{file}: a.ssv: its namespace is '{space}ParameterValues', expected '{space}SystemStructureParameterValues'"
+    assert list(system.lenient) == [said]
+    for wrong in ("SSP1/SystemStructureCommon", "SSP3/ParameterValues"):
+        file = packed(tmp_path, ssv=SSV.replace("SSP1/SystemStructureParameterValues", wrong))
+        with pytest.raises(NavfmuError, match=rf"a\.ssv: expected <ssv:ParameterSet> of SSP 1\.0, found <.*{wrong}"):
+            System.load(file)
 
 
 def test_a_campaign_that_is_strict_refuses_a_system_with_a_habit(tmp_path, capsys):

@@ -250,3 +250,20 @@ def test_pictures_of_one_run_reach_to_its_planned_end(drawing):
         made = picture.draw(scenes)
         assert "ended early, at t = 0 s" in made.caption
         assert drawing[-1].axes[0].get_xlim() == (0.0, 99.0)
+
+
+@pytest.mark.filterwarnings("ignore:overflow")
+@pytest.mark.parametrize("last", [2.0**1023, -(2.0**1023), np.finfo(float).max])
+def test_a_signal_that_runs_away_up_to_the_last_number_that_there_is_is_drawn(last):
+    """Matplotlib cannot draw an axis whose length is no number."""
+    values = np.sign(last) * np.minimum(2.0 ** np.arange(924.0, 1024.0), np.abs(last))
+    values = np.concatenate([values[:-4], [last, -last, last, np.inf]])
+    runs = [{"a.y": values, "a.x": np.ones(100)}, {"a.y": -values, "a.x": np.ones(100)}]
+    for picture in (
+        lines.Picture(kind="lines", signals=["a.y", "a.x"]),
+        percentiles.Picture(kind="percentiles", signal="a.y"),
+        sigma.Picture(kind="sigma", axes=[{"name": "a", "error": "a.y", "sigma": "a.x"}]),
+        sigma.Picture(kind="sigma", axes=[{"name": "a", "error": "a.x", "sigma": "a.y"}]),
+    ):
+        for shown in (runs, runs[:1]):
+            assert picture.draw(scene(shown)).png.startswith(b"\x89PNG")

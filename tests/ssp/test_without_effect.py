@@ -9,6 +9,7 @@ import pytest
 
 from navfmu import System
 from navfmu.errors import NavfmuError
+from navfmu.ssp.document import NAMESPACES
 
 from . import fmus
 from .test_reader import CONNECTORS, bindings, folder, inline, load, private_cache, real, ssd, wire
@@ -98,6 +99,54 @@ def test_annotations_of_a_parameter_set_in_a_file_are_listed_once(folder):
     sets = "".join(f'<ssd:ParameterBinding source="p.ssv" prefix="{name}."/>' for name in "ab")
     (line,) = load(folder, ssd(system=bindings(sets))).structure.ignored
     assert "p.ssv, line 1: annotation 'org.note' of the document" in line
+
+
+def test_of_a_source_and_what_stands_beside_it_the_source_is_read_and_the_other_listed(folder):
+    """SSP leaves open which of the two counts."""
+    named = f'version="1.0" name="p" xmlns:ssv="{NAMESPACES["ssv"]}" xmlns:ssm="{NAMESPACES["ssm"]}"'
+    entry = '<ssm:MappingEntry source="x" target="{}"/>'
+    values = f"<ssv:ParameterSet {named}><ssv:Parameters>{real('x', 4)}</ssv:Parameters></ssv:ParameterSet>"
+    (folder / "p.ssv").write_text(values)
+    (folder / "m.ssm").write_text(f"<ssm:ParameterMapping {named}>{entry.format('gain')}</ssm:ParameterMapping>")
+    text = inline("\n" + real("x", 3)).replace("MAPPING", "\n" + mapping(entry.format("altitude"), source="m.ssm"))
+    system = load(
+        folder, ssd(a=bindings(text.replace("<ssd:ParameterBinding>", '<ssd:ParameterBinding source="p.ssv">')))
+    )
+    assert system.values["a"] == {"gain": 4.0}
+    values, entries = sorted(system.structure.ignored)
+    assert values.endswith(", line 12: the ParameterSet inside an element that has the source 'p.ssv'")
+    assert entries.endswith(", line 14: the ParameterMapping inside an element that has the source 'm.ssm'")
+
+
+def test_a_source_with_a_query_is_not_read_without_it(folder):
+    (folder / "p.ssv").write_text("")
+    with pytest.raises(NavfmuError, match=r"source 'p\.ssv\?version=2' is not supported, expected a relative path"):
+        load(folder, ssd(a=bindings('<ssd:ParameterBinding source="p.ssv?version=2"/>')))
+
+
+def test_a_string_for_what_is_none_is_read_with_a_note(folder):
+    text = '<ssv:Parameter name="gain"><ssv:String value="3 ft"/></ssv:Parameter>'
+    system = load(folder, ssd(a=bindings(inline(text))))
+    assert system.values["a"] == {"gain": pytest.approx(0.9144)}
+    (line,) = system.lenient
+    assert line.endswith("'a.gain' is Real and is given as a String")
+
+
+@pytest.mark.parametrize(
+    ("unit", "notes"),
+    [
+        ('<ssc:BaseUnit m="1" factor="1000"/>', 1),
+        ('<ssc:BaseUnit s="1"/>', 1),
+        ('<ssc:BaseUnit m="1" offset="1"/>', 1),
+        ('<ssc:BaseUnit m="1" factor="1.0000001"/>', 0),
+    ],
+)
+def test_a_unit_that_fmu_and_document_define_differently_is_taken_by_its_name_with_a_note(folder, unit, notes):
+    text = ssd(a=bindings(inline(real("gain", 3, "m")))).replace(METRE, f'<ssc:Unit name="m">{unit}</ssc:Unit>')
+    system = load(folder, text)
+    assert system.values["a"] == {"gain": 3.0}
+    end = "'a.gain': the unit 'm' has two different definitions, and is taken by its name"
+    assert [line.endswith(end) for line in system.lenient] == [True] * notes
 
 
 @pytest.mark.parametrize(

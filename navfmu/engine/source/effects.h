@@ -66,9 +66,9 @@ static RARELY void search(Master *m, Effect *e, int64_t k) {
     }
     if (bits(without) == bits(m->signal[e->slot])) return;
     if (k == 0 && e->readers & (NOW | NEXT | AHEAD)) e->seen = 0;
-    else if (e->readers & NOW) e->seen = 2 * k - 1;
-    else if (e->readers & RECORDED && k % m->record_every == 0) e->seen = 2 * k;
-    else if (e->readers & NEXT) e->seen = 2 * k + 1;
+    else if (e->readers & NOW) e->seen = 3 * k - 1;
+    else if (e->readers & RECORDED && k % m->record_every == 0) e->seen = 3 * k;
+    else if (e->readers & NEXT) e->seen = 3 * k + 1;
 }
 
 /* Values that leave at communication point k, from the true ones. `only`: those of k = 0 come about one by one, and this
@@ -112,7 +112,7 @@ static RARELY void search_ahead(Master *m, Effect *e, int64_t k) {
         other.memory = o->memory;
         act_ahead(m, &other, &without, k);
     }
-    if (bits(without) != bits(m->signal[2 * m->signals + e->slot])) e->seen = 2 * k + 1;
+    if (bits(without) != bits(m->signal[2 * m->signals + e->slot])) e->seen = 3 * k + 1;
 }
 
 /* Values just before communication point k + 1, where the effects of point k still act on the true values. */

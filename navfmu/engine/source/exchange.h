@@ -115,8 +115,8 @@ static inline int set_smooth(Master *m, Component *c) {
     return 0;
 }
 
-/* A step to `end` was discarded: because the FMU wants to end the run? Then the step may have been made all the same. */
-static RARELY int discarded(Master *m, Component *c, double end) {
+/* A step was discarded: because the FMU wants to end the run? Then the step may have been made all the same. */
+static RARELY int discarded(Master *m, Component *c) {
     fmi2Boolean terminated = fmi2False;
     fmi2Real last;
     m->status = fmi2Discard;
@@ -130,20 +130,21 @@ static RARELY int discarded(Master *m, Component *c, double end) {
     m->place->call = GET_REAL_STATUS;
     if (c->get_real_status) answer = c->get_real_status(c->instance, fmi2LastSuccessfulTime, &last);
     if (answer == fmi2Fatal) return failed(m, c, answer);
+    called(c);
     if (answer <= fmi2Warning) m->last = last;
     m->place->call = DO_STEP;
     if (!terminated) return 1;
     m->status = fmi2OK;
     m->ended = (int32_t)(c - m->component);
     m->interrupt = 1;
-    return !(m->last > end - 1e-9 * m->step);
+    return !(m->last > time_of(m, m->place->k + 1) - 1e-9 * m->step);
 }
 
 static inline int make_step(Master *m, Component *c, double t) {
     m->place->call = DO_STEP;
     fmi2Status status = c->do_step(c->instance, t, m->step, c->never_back);
     if (status == fmi2OK) return 0;
-    return status == fmi2Discard ? discarded(m, c, time_of(m, m->place->k + 1)) : failed(m, c, status);
+    return status == fmi2Discard ? discarded(m, c) : failed(m, c, status);
 }
 
 /* Read the outputs into `to`, the signals of the values that left or of the true ones. */

@@ -30,8 +30,8 @@ typedef struct {
     int32_t readers;              /* who sees the signal: a sum of Reader */
     int32_t first_echo, echoes;   /* later effects on the same signal */
     int64_t until;                /* from this point on nothing can be seen of it any more */
-    int64_t seen;                 /* when a bit is different because of it: 2 k, at communication point k, or 2 k + 1, in
-                                     the step after it; -1: not yet */
+    int64_t seen;                 /* when a bit is different because of it: 3 k, at communication point k, 3 k + 1, in
+                                     the step after it, 3 k + 2, in that step as it leaves at its end; -1: not yet */
     double before;                /* the signal before it, now */
 } Effect;
 

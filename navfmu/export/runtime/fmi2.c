@@ -50,13 +50,15 @@ static void report(Instance *self, Severity severity, const char *sentence) {
     send(slave, (fmi2Status)categories[severity].status, categories[severity].name, sentence);
 }
 
+SELDOM static Slave *not_allowed(Slave *slave, const char *function) {
+    if (slave) instance_say(&slave->core, SAY_NOT_ALLOWED, function, phase_name(slave->core.state->phase));
+    return NULL;
+}
+
 /* The slave, when the call is allowed now; else NULL after saying so. */
 static inline Slave *allowed(fmi2Component component, const char *function, int phases) {
     Slave *slave = component;
-    if (!slave) return NULL;
-    if (slave->core.state->phase & phases) return slave;
-    instance_say(&slave->core, SAY_NOT_ALLOWED, function, phase_name(slave->core.state->phase));
-    return NULL;
+    return slave && slave->core.state->phase & phases ? slave : not_allowed(slave, function);
 }
 #define ALLOWED(component, function) allowed(component, #function, IN_##function)
 
@@ -187,7 +189,7 @@ static const char *type_name(int access) {
     return access & REAL ? "Real" : access & INTEGER ? "Integer" : "Boolean";
 }
 
-static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int type) {
+SELDOM static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int type) {
     if (reference >= (unsigned)model.variable_count) {
         instance_say(&slave->core, SAY_NO_VARIABLE, reference, model.variable_count);
     } else {
@@ -197,7 +199,7 @@ static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int typ
     return fmi2Error;
 }
 
-static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, int type) {
+SELDOM static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, int type) {
     if (reference >= (unsigned)model.variable_count || !(model.access[reference] & type)) {
         return refuse_get(slave, reference, type);
     }
@@ -253,32 +255,47 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
 }
 
-/* The bit of variables whose value must lie in its range at once: those of parameters that change while the instance
-   runs. Before, all parameters are checked when initialisation ends. */
-static inline int ranged(const Slave *slave) {
-    return slave->core.state->phase == STEPPING ? TUNABLE : 0;
+/* The bits in which the access of any of these variables differs from those. */
+static inline int difference(const fmi2ValueReference vr[], size_t count, int bits) {
+    int all = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (vr[i] >= (unsigned)model.variable_count) return ~0;
+        all |= model.access[vr[i]] ^ bits;
+    }
+    return all;
+}
+
+/* Whether all variables may be set now to these values, doubles or ints; says so when not. Parameters that change while
+   the instance runs must lie in their range at once; before, all parameters are checked when initialisation ends. */
+SELDOM static int may_be(Slave *slave, const fmi2ValueReference vr[], size_t count, int type, const double *reals,
+                         const int *ints) {
+    const int phase = (int)slave->core.state->phase;
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], type | phase)) return refuse_set(slave, vr[i], type) == fmi2OK;
+        if (phase != STEPPING || !(model.access[vr[i]] & TUNABLE)) continue;
+        if (!instance_in_range(&slave->core, (int)vr[i], reals ? reals[i] : ints[i])) return 0;
+    }
+    return 1;
+}
+
+/* The same, quickly: nearly always all may be set, whatever the value. */
+static inline int settable(Slave *slave, const fmi2ValueReference vr[], size_t count, int type, const double *reals,
+                           const int *ints) {
+    const int bits = type | (int)slave->core.state->phase;
+    return !(difference(vr, count, bits) & (bits | TUNABLE)) || may_be(slave, vr, count, type, reals, ints);
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Real value[]) {
     Slave *slave = ALLOWED(c, fmi2SetReal);
-    if (!slave) return fmi2Error;
-    const int bits = REAL | (int)slave->core.state->phase, check = ranged(slave);
-    for (size_t i = 0; i < count; i++) {
-        if (!has(vr[i], bits)) return refuse_set(slave, vr[i], REAL);
-        if ((model.access[vr[i]] & check) && !instance_in_range(&slave->core, (int)vr[i], value[i])) return fmi2Error;
-    }
+    if (!slave || !settable(slave, vr, count, REAL, value, NULL)) return fmi2Error;
     instance_undo_preview(&slave->core);
     for (size_t i = 0; i < count; i++) slave->core.v[vr[i]] = value[i];
     return fmi2OK;
 }
 
-static fmi2Status set_ints(Slave *slave, const fmi2ValueReference vr[], size_t count, const int value[], int type) {
-    if (!slave) return fmi2Error;
-    const int bits = type | (int)slave->core.state->phase, check = ranged(slave);
-    for (size_t i = 0; i < count; i++) {
-        if (!has(vr[i], bits)) return refuse_set(slave, vr[i], type);
-        if ((model.access[vr[i]] & check) && !instance_in_range(&slave->core, (int)vr[i], value[i])) return fmi2Error;
-    }
+static inline fmi2Status set_ints(Slave *slave, const fmi2ValueReference vr[], size_t count, const int value[],
+                                  int type) {
+    if (!slave || !settable(slave, vr, count, type, NULL, value)) return fmi2Error;
     instance_undo_preview(&slave->core);
     for (size_t i = 0; i < count; i++) slave->core.v[vr[i]] = type == BOOLEAN ? value[i] != fmi2False : value[i];
     return fmi2OK;
@@ -297,19 +314,23 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
 }
 
+SELDOM static fmi2Status refuse_slope(Slave *slave, fmi2ValueReference reference, int order) {
+    if (!has(reference, REAL)) return refuse_get(slave, reference, REAL);
+    instance_say(&slave->core, SAY_NO_SLOPE, order, model.variables[reference].name);
+    return fmi2Error;
+}
+
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     Slave *slave = ALLOWED(c, fmi2SetRealInputDerivatives);
     if (!slave) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
-        if (!has(vr[i], REAL)) return refuse_get(slave, vr[i], REAL);
-        if (model.input_slot[vr[i]] < 0 || order[i] != 1) {
-            instance_say(&slave->core, SAY_NO_SLOPE, order[i], model.variables[vr[i]].name);
-            return fmi2Error;
+        if (vr[i] >= (unsigned)model.variable_count || model.input_slot[vr[i]] < 0 || order[i] != 1) {
+            return refuse_slope(slave, vr[i], order[i]);
         }
     }
     instance_undo_preview(&slave->core);
-    for (size_t i = 0; i < count; i++) slave->core.slopes[model.input_slot[vr[i]]] = value[i];
+    for (size_t i = 0; i < count; i++) slave->core.slopes[model.input_slot[vr[i]]] = value[i] == 0 ? -0.0 : value[i];
     if (count) slave->core.state->slopes_set = 1;
     return fmi2OK;
 }
@@ -416,8 +437,8 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     Slave *slave = c;
     if (!slave) return fmi2Error;
     if (!belongs(slave, state, snapshot_size(slave))) return fmi2Error;
-    slave->core.previewed = 0;
     memcpy(slave->core.state, (const Snapshot *)state + 1, slave->core.state_size);
+    instance_follow(&slave->core);
     slave->last_step = fmi2OK;
     return fmi2OK;
 }

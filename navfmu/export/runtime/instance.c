@@ -9,7 +9,7 @@
 
 #include "noise.h"
 
-static void instance_say(Instance *self, Severity severity, const char *format, ...) {
+SELDOM static void instance_say(Instance *self, Severity severity, const char *format, ...) {
     char sentence[1024];
     va_list values;
     va_start(values, format);
@@ -58,6 +58,7 @@ static size_t lay_out(Instance *self, char *base) {
     self->before = take(base, &size, self->state_size, 1);
     self->tables = take(base, &size, at_least_one(model.table_count), sizeof(Table));
     self->cursors = take(base, &size, at_least_one(model.table_count), sizeof(int64_t));
+    self->fixed = take(base, &size, at_least_one(model.fixed_count), sizeof(double));
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
@@ -93,12 +94,18 @@ static void instance_destroy(Instance *self) {
     self->memory = NULL;
 }
 
+static void clear_slopes(Instance *self) {
+    for (int i = 0; i < model.input_count; i++) self->slopes[i] = -0.0;
+    self->state->slopes_set = 0;
+}
+
 static void instance_reset(Instance *self) {
     memset(self->state, 0, self->state_size);
     self->previewed = 0;
     self->state->phase = INSTANTIATED;
     self->state->stop = INFINITY;
     for (int i = 0; i < model.variable_count; i++) self->v[i] = model.variables[i].start;
+    clear_slopes(self);
 }
 
 /* ---- tasks ---- */
@@ -117,13 +124,12 @@ static int check_wholes(Instance *self, const Task *task) {
     return 0;
 }
 
-static int run(Instance *self, const Task *task, int64_t k, double time, double period) {
+static int run(Instance *self, const Task *task, int64_t k, double time) {
     if (task->normals) {
         uint64_t key[2] = {(uint64_t)nearest_int(self->v[model.seed]), (uint64_t)nearest_int(self->v[model.stream])};
         standard_normals(key, (uint64_t)k, task->stream, self->noise, task->normals);
     }
-    const double clock[2] = {time, period};
-    task->evaluate(self->v, self->noise, clock, self->rows, self->result);
+    task->evaluate(self->v, self->noise, &time, self->rows, self->fixed, self->result);
     if (check_wholes(self, task)) return 1;
     for (int i = 0; i < task->target_count; i++) self->v[task->targets[i]] = self->result[i];
     return 0;
@@ -140,7 +146,7 @@ static void look_up(Instance *self, double time) {
 static int run_start_tasks(Instance *self) {
     look_up(self, self->state->start);
     for (int i = 0; i < model.task_count; i++) {
-        if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start, 0.0)) return 1;
+        if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start)) return 1;
     }
     return 0;
 }
@@ -154,10 +160,13 @@ static int instance_preview(Instance *self) {
     return 1;
 }
 
-static void instance_undo_preview(Instance *self) {
-    if (!self->previewed) return;
+SELDOM static void go_back(Instance *self) {
     memcpy(self->state, self->before, self->state_size);
     self->previewed = 0;
+}
+
+static inline void instance_undo_preview(Instance *self) {
+    if (self->previewed) go_back(self);
 }
 
 /* Run the task if the bundle's number has changed and its time has come. */
@@ -173,7 +182,7 @@ static int run_on_new(Instance *self, int i, double time, double tolerance) {
             instance_say(self, SAY_LOST, time, (double)(jump - 1), model.variables[task->sequence].name);
         }
     }
-    return run(self, task, sequence, time, self->v[model.clocks[task->clock]]);
+    return run(self, task, sequence, time);
 }
 
 /* ---- time ---- */
@@ -188,38 +197,50 @@ static double due_time(const Instance *self, int clock) {
     return (double)(self->counts[clock] + 1) * self->v[model.clocks[clock]];
 }
 
+SELDOM static void heed_host(State *s, double end) {
+    const double clock = end - s->start, ahead = s->elapsed - clock;
+    const double numbers = fmax(fabs(s->start), fabs(end)), adding = (double)(s->steps + 1) * fabs(clock);
+    const double resolution = DBL_EPSILON * (numbers + adding);
+    if (fabs(ahead) <= resolution) return;
+    s->elapsed = s->base = clock + copysign(resolution, ahead);
+    s->rest = s->alike = 0.0;
+}
+
+SELDOM static void start_run(State *s, double h) {
+    const double run = s->alike * s->step, sum = s->base + run, part = sum - s->base;
+    s->rest += (s->base - (sum - part)) + (run - part);
+    s->base = sum;
+    s->step = h;
+    s->alike = 0.0;
+}
+
 /* Move the clock to the end of a step. A host that adds up its time (t += h) is off by a rounding for each step, and
-   what is due at the end of a step would seem to lie behind it. So the steps are added up here without rounding
-   (Knuth's sum of two numbers). The host's own clock stays the judge: the sum may differ from it by no more than its
-   resolution, which is that of its numbers and what adding up so many steps from 0 costs. */
+   what is due at the end of a step would seem to lie behind it. So equal steps are counted here, which rounds once
+   however many they are, and what a run of them has come to is added to the runs before without rounding (Knuth's sum
+   of two numbers). The host's own clock stays the judge: the sum may differ from it by no more than its resolution,
+   which is that of its numbers and what adding up so many steps from 0 costs. */
 static void move_clock(State *s, double h, double end) {
     const double before = s->elapsed, clock = end - s->start;
-    const double sum = s->elapsed + h, part = sum - s->elapsed;
-    s->rest += (s->elapsed - (sum - part)) + (h - part);
-    s->elapsed = sum + s->rest;
-    s->rest -= s->elapsed - sum;
+    if (h != s->step) start_run(s, h);
+    s->alike += 1.0;
     s->steps++;
-    const double ahead = s->elapsed - clock;
-    if (!(fabs(ahead) <= 2 * DBL_EPSILON * clock)) { /* which is less than the resolution */
-        const double numbers = fmax(fabs(s->start), fabs(end)), adding = (double)(s->steps + 1) * fabs(clock);
-        const double resolution = DBL_EPSILON * (numbers + adding);
-        if (!(fabs(ahead) <= resolution)) {
-            s->elapsed = clock + copysign(resolution, ahead);
-            s->rest = 0.0;
-        }
-    }
+    s->elapsed = s->base + (s->rest + s->alike * h);
+    if (!(fabs(s->elapsed - clock) <= 2 * DBL_EPSILON * clock)) heed_host(s, end); /* less than the resolution */
     if (s->elapsed < before) s->elapsed = before; /* it never runs backwards */
 }
 
-/* One tick: all clocks that are due at its time, then all tasks in the order of their declaration. Inputs have moved
-   along their derivatives for `since` seconds. */
-static int tick(Instance *self, double elapsed, double tolerance, double since) {
-    const double time = self->state->start + elapsed;
-    if (self->state->slopes_set) {
-        for (int i = 0; i < model.input_count; i++) {
-            if (self->slopes[i] != 0) self->v[model.inputs[i]] = self->held[i] + self->slopes[i] * since;
-        }
+/* Inputs have moved along their derivatives for `since` seconds. Where there is none it is -0: it changes no value. */
+static void move_inputs(Instance *self, double since, int first) {
+    for (int i = 0; i < model.input_count; i++) {
+        double *input = &self->v[model.inputs[i]];
+        if (first) self->held[i] = *input;
+        *input = self->held[i] + self->slopes[i] * since;
     }
+}
+
+/* One tick: all clocks that are due at its time, then all tasks in the order of their declaration. */
+static int tick(Instance *self, double elapsed, double tolerance) {
+    const double time = self->state->start + elapsed;
     look_up(self, time);
     uint64_t due = 0;
     for (int c = 0; c < model.clock_count; c++) {
@@ -233,7 +254,7 @@ static int tick(Instance *self, double elapsed, double tolerance, double since) 
         if (task->kind == ON_NEW) {
             if (run_on_new(self, i, time, tolerance)) return 1;
         } else if (task->kind == ON_CLOCK && due >> task->clock & 1) {
-            if (run(self, task, self->counts[task->clock], time, self->v[model.clocks[task->clock]])) return 1;
+            if (run(self, task, self->counts[task->clock], time)) return 1;
         }
     }
     return 0;
@@ -242,11 +263,8 @@ static int tick(Instance *self, double elapsed, double tolerance, double since) 
 /* All ticks up to and including the time `end`. */
 static int advance(Instance *self, double h, double end) {
     const double start = self->state->start, origin = self->state->time - start, rounding = rounding_of(start, end);
-    if (self->state->slopes_set) {
-        for (int i = 0; i < model.input_count; i++) self->held[i] = self->v[model.inputs[i]];
-    }
     move_clock(self->state, h, end);
-    int failed = 0;
+    int failed = 0, moved = 0;
     while (model.clock_count && !failed) {
         int first = 0;
         for (int c = 1; c < model.clock_count; c++) {
@@ -255,21 +273,20 @@ static int advance(Instance *self, double h, double end) {
         const double due = due_time(self, first);
         const double tolerance = 1e-9 * self->v[model.clocks[first]] + rounding;
         if (!(due <= self->state->elapsed + tolerance)) break;
-        failed = tick(self, due, tolerance, due - origin);
-    }
-    if (self->state->slopes_set) {
-        for (int i = 0; i < model.input_count; i++) {
-            self->v[model.inputs[i]] = self->held[i];
-            self->slopes[i] = 0.0;
+        if (self->state->slopes_set) {
+            move_inputs(self, fmax(due - origin, 0.0), !moved);
+            moved = 1;
         }
-        self->state->slopes_set = 0;
+        failed = tick(self, due, tolerance);
     }
+    for (int i = 0; i < model.input_count && moved; i++) self->v[model.inputs[i]] = self->held[i];
+    if (self->state->slopes_set) clear_slopes(self);
     if (!failed && end > self->state->time) self->state->time = end;
     return failed;
 }
 
 /* Whether a step from this time to that may be made now, which is so within rounding and a part of the step. */
-static int fits_in(Instance *self, double time, double h, double end) {
+SELDOM static int fits_in(Instance *self, double time, double h, double end) {
     const State *s = self->state;
     const double rounding = 8 * DBL_EPSILON * fmax(fabs(s->start), fabs(end));
     const double slack = 1e-9 * (1.0 + fabs(end - s->start));
@@ -343,8 +360,7 @@ static int parameters_hold(Instance *self) {
         good = 0;
     }
     for (int i = 0; i < model.check_count && good; i++) {
-        const double clock[2] = {0.0, 0.0};
-        model.checks[i].holds(self->v, self->noise, clock, self->rows, self->result);
+        model.checks[i].holds(self->v, self->noise, &self->state->start, self->rows, self->fixed, self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
             report_check(self, &model.checks[i]);
             good = 0;
@@ -353,10 +369,15 @@ static int parameters_hold(Instance *self) {
     return good;
 }
 
+static void instance_follow(Instance *self) {
+    self->previewed = 0;
+    model.fix(self->v, self->fixed);
+}
+
 static int instance_start(Instance *self) {
     instance_undo_preview(self);
     if (!parameters_hold(self) || instance_preview(self)) return 1;
-    self->previewed = 0; /* what was calculated stays */
+    instance_follow(self); /* what was calculated stays */
     self->state->time = self->state->start;
     self->state->phase = STEPPING;
     return 0;

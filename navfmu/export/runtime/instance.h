@@ -8,11 +8,20 @@
 #include "model.h"
 #include "table.h"
 
+/* For what is done seldom: keeps it out of the way of what is done at every step. */
+#ifdef __GNUC__
+#define SELDOM __attribute__((noinline, cold))
+#else
+#define SELDOM
+#endif
+
 /* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last; saving, restoring and resetting are copies of it. */
 typedef struct {
     double time;          /* communication point */
     double start, stop;   /* of the experiment; stop is INFINITY when it was not given */
-    double elapsed, rest; /* since the start: the sum of all steps, and what is too small to show in it */
+    double elapsed;       /* since the start: the sum of all steps, */
+    double base, rest;    /* of those before the last run of equal ones and what is too small to show in it, */
+    double step, alike;   /* and of that run: their size and number */
     int64_t steps;        /* done */
     int64_t phase;
     int64_t slopes_set; /* some input has a derivative for the coming step */
@@ -29,7 +38,7 @@ struct Instance {
     State *state; /* the block; the pointers below lie in it */
     size_t state_size;
     double *v;
-    double *slopes;   /* du/dt of each continuous input, for the coming step */
+    double *slopes;   /* du/dt of each continuous input, for the coming step; -0 for none */
     int64_t *counts;  /* ticks done, for each clock */
     int64_t *last;    /* sequence number last seen, for each task */
 
@@ -38,6 +47,7 @@ struct Instance {
 
     Table *tables;    /* constant after instantiation */
     uint64_t table_number; /* what they hold, as a number */
+    double *fixed;    /* follows from values that stand since initialisation: not part of the state */
     int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
 
     /* buffers of one task's run */
@@ -53,10 +63,13 @@ static void instance_reset(Instance *self);
 /* In initialisation mode: calculate what depends on what was set so far, and take that back.
    Returns 0, or 1 after reporting why not. */
 static int instance_preview(Instance *self);
-static void instance_undo_preview(Instance *self);
+static inline void instance_undo_preview(Instance *self);
 
 /* Check the parameters and run the start tasks. Returns 0, or 1 after reporting why not; then nothing has changed. */
 static int instance_start(Instance *self);
+
+/* The block holds another state now: bring along what lies outside of it. */
+static void instance_follow(Instance *self);
 
 /* Do all that is due in a step of h from the host's time. Returns 0, or 1 after reporting why it cannot be done. */
 static int instance_step(Instance *self, double time, double h);

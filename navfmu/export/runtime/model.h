@@ -18,8 +18,13 @@ typedef struct {
     int is_parameter;
 } Variable;
 
-/* Calculates r from all variables, fresh random numbers, [time, period] and rows of tables; r overlaps none of them. */
-typedef void Evaluate(const double *v, const double *noise, const double *clock, const double *rows, double *r);
+/* Calculates r from all variables, fresh random numbers, the time, rows of tables, and what Fix has calculated;
+   r overlaps none of them. */
+typedef void Evaluate(const double *v, const double *noise, const double *time, const double *rows, const double *fixed,
+                      double *r);
+
+/* Calculates from the variables what stands once initialisation has ended. */
+typedef void Fix(const double *v, double *fixed);
 
 typedef enum { ON_START, ON_CLOCK, ON_NEW } TaskKind;
 
@@ -72,6 +77,8 @@ typedef struct {
     const int *inputs;
     const int *input_slot;       /* for each variable: its place among them, or -1 */
     int seed, stream;            /* index in v of the parameters that key the noise, or -1 */
+    int fixed_count;             /* how many numbers fix calculates */
+    Fix *fix;
     int has_calculated;          /* some variable is calculated in initialisation mode */
     int most_normals, most_targets, row_values; /* sizes of what the functions read and write */
 } Model;

@@ -89,19 +89,27 @@ static char *read_text(const char *path) {
     return text;
 }
 
-/* The number at *text, written with a point whatever the host's locale is; moves *text behind it. */
-static int read_number(char **text, double *value) {
-    char *end, mark = localeconv()->decimal_point[0];
-    size_t length = strcspn(*text, ",\r\n");
-    char *point = mark == '.' ? NULL : memchr(*text, '.', length);
-    if (point) *point = mark;
-    *value = strtod(*text, &end);
-    int done = end != *text && end == *text + length && isfinite(*value);
-    *text = end;
-    return done;
+/* The number at *text, written with a point whatever the host's locale is; moves *text behind it. strtod wants the
+   locale's mark, which may be several bytes, and must not see what stands behind the number: a comma may be one. */
+static int read_number(const char **text, double *value) {
+    char number[512], *end;
+    const char *mark = localeconv()->decimal_point, *point;
+    const size_t length = strcspn(*text, ",\r\n"), more = strlen(mark);
+    if (length == 0 || length + more >= sizeof number) return 0;
+    memcpy(number, *text, length);
+    number[length] = 0;
+    *text += length;
+    point = memchr(number, '.', length);
+    if (point) {
+        const size_t before = (size_t)(point - number);
+        memmove(number + before + more, number + before + 1, length - before);
+        memcpy(number + before, mark, more);
+    }
+    *value = strtod(number, &end);
+    return *end == 0 && isfinite(*value);
 }
 
-static int parse(Table *table, const TableInfo *info, char *text, const char *path, char *problem, size_t size) {
+static int parse(Table *table, const TableInfo *info, const char *text, const char *path, char *problem, size_t size) {
     size_t header = strlen(info->header);
     if (strncmp(text, info->header, header) != 0 || (text[header] != '\n' && text[header] != '\r')) {
         snprintf(problem, size, "The table %s does not start with the line '%s'.", path, info->header);

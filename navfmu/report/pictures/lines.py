@@ -12,7 +12,7 @@ from navfmu.errors import NavfmuError
 from navfmu.files.schema import Field
 from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
-from navfmu.report.finite import remark
+from navfmu.report.finite import drawn, remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.scene import Drawn, Scene, early, with_unit
 
@@ -63,7 +63,9 @@ def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:
                 draws = "default" if run.signals[name].dtype.kind == "f" else "steps-post"
                 colour = COLOURS[number % len(COLOURS)]
                 width = 1.0 + (2.0 if unit == BOOLEAN else 1.0) * (len(names) - 1 - number) / len(names)  # none hides
-                axis.plot(run.time, run[name], style, color=colour, lw=width, drawstyle=draws, label=labels[name])
+                axis.plot(
+                    run.time, drawn(run[name]), style, color=colour, lw=width, drawstyle=draws, label=labels[name]
+                )
                 bad = run.time[~np.isfinite(run[name])]
                 axis.plot(bad, np.zeros(bad.size), "|", color="red", transform=axis.get_xaxis_transform())
             if unit == BOOLEAN:

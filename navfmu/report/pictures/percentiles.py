@@ -12,7 +12,7 @@ import numpy as np
 from navfmu.files.schema import Field
 from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
-from navfmu.report.finite import extremes, remark
+from navfmu.report.finite import drawn, extremes, remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.scene import Bound, Drawn, Scene, early, readable, whole, with_unit, words
 
@@ -46,9 +46,9 @@ class Picture(Base):
         above = shading.height(scene.windows)
         with figure(size=(9.0, 3.75 + below + above), below=below, above=above, left=0.9) as (drawing, axis):
             if many:
-                self._spread(axis, time, values)
+                self._spread(axis, time, drawn(values))
             else:
-                axis.plot(time, values[0], color=COLOURS[0], label=scene.runs[0].name)
+                axis.plot(time, drawn(values[0]), color=COLOURS[0], label=scene.runs[0].name)
             if missing:
                 bad = np.unique(np.concatenate([run.time[~np.isfinite(run[self.signal])] for run in scene.runs]))
                 label = "not finite in a run" if many else "not finite"

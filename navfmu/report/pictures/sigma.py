@@ -10,7 +10,7 @@ import numpy as np
 from navfmu.files.schema import Field, Number, Table
 from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
-from navfmu.report.finite import remark
+from navfmu.report.finite import drawn, remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.kind import same_unit
 from navfmu.report.scene import Drawn, Recorded, Scene, early
@@ -57,7 +57,7 @@ class Picture(Base):
             panels = list(grid[:, 0])
             pad = shading.shade(drawing, panels, scene.windows, points[0], points[-1])
             for panel, axis in zip(panels, self.axes, strict=True):
-                error, bound = scene.shown[axis.error], self.factor * scene.shown[axis.sigma]
+                error, bound = drawn(scene.shown[axis.error]), drawn(self.factor * scene.shown[axis.sigma])
                 claimed = f"{self.factor:g} sigma claimed"
                 panel.fill_between(time, -bound, bound, color=COLOURS[2], alpha=0.2, linewidth=0, label=claimed)
                 panel.plot(time, error, color=COLOURS[1], linewidth=1.0, label=f"{axis.name} error")
