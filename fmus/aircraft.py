@@ -167,14 +167,19 @@ class Aircraft(Component):
     wander_sigma = Parameter(
         3,
         "m/s2",
-        start=(0.24, 0.24, 0.15),
+        start=(0.24, 0.24, 0.12),
         min=0.0,
         max=10.0,
         description="standard deviation of the acceleration in which the pilot lets the aircraft wander, north, east, "
         "down; recorded flights: 0.21 to 0.30 along and across, 0.09 to 0.18 vertically",
     )
     wander_time = Parameter(
-        "s", start=10.0, min=0.5, max=1e4, description="time constant of its lags; recorded flights: 8 to 12 s"
+        3,
+        "s",
+        start=(10.0, 10.0, 7.0),
+        min=0.5,
+        max=1e4,
+        description="time constant of its lags, north, east, down; recorded flights: 8 to 12 s, vertically 6 to 9 s",
     )
     gust_sigma = Parameter(
         3,
@@ -263,7 +268,7 @@ class Aircraft(Component):
     lift_length = State("m", description="2 wing_loading / (rho g C_L_alpha)")
     wander_levels = State((4, 3), "1", description="lags of the wander, models.wander")
     wander_held = State(3, "1", description="their input until the next draw")
-    wander_decay = State("1", description="their decay over half an update_period")
+    wander_decay = State(3, "1", description="their decay over half an update_period")
     gust_levels = State((2, 3), "1", description="lags of the gusts along, across, down, models.turbulence")
     gust_held = State(3, "1", description="their input until the next draw")
     gust_ratio = State("1", description="half an update_period over their time constant")

@@ -127,7 +127,7 @@ def test_the_aircraft_wanders_with_its_sigma_from_the_first_moment(native):
     """
     sigma, tau = np.array([0.3, 0.2, 0.1]), 10.0
     plan = np.array([SPEED * np.cos(0.7), SPEED * np.sin(0.7), 0.0])
-    parameters = {**LEGS, "gust_sigma": np.zeros(3), "wander_sigma": sigma, "wander_time": tau}
+    parameters = {**LEGS, "gust_sigma": np.zeros(3), "wander_sigma": sigma, "wander_time": np.full(3, tau)}
     found = np.array([
         native.run(tau, tau, ["velocity_n"], {**parameters, "seed": seed})["velocity_n"] for seed in range(SEEDS)
     ])  # fmt: skip
