@@ -5,26 +5,28 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples, stations
-from models import dme, gps, kalman, navigator
+from models import dme, gauss_markov, gps, kalman, navigator
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
 
 PLACES = stations.PLACES
+STATES = 2 + navigator.VELOCITIES + PLACES
 LONG_AGO = -1.0e9
 
 
 class Navigator(stations.StationTable, Component):
     """Backup navigator: dead reckoning with airspeed, heading and wind, aided by GPS while there is GPS, then by DME.
 
-    Thesis section 2.3 (calibrating and coasting phase), 6.4 and 6.5 (reduced-order filter). Position is propagated by
+    Thesis section 2.3 (calibrating and coasting phase) and 6.4 (full-order filter). Position is propagated by
 
         d(latitude)/dt = (V cos(heading) + V_NS) / (R_NS + h)                                (6.22)
         d(longitude)/dt = (V sin(heading) + V_EW) / ((R_EW + h) cos(latitude))               (6.23)
 
     every `update_period`, with heading carried from its time of validity to now by the yaw rate (at most 1 s), and h
-    positive up. An extended Kalman filter with the states (6.54), errors of north and east position and of north
-    and east wind, is corrected in two phases:
+    positive up. An extended Kalman filter has the perturbations (6.24) as states: north and east position, north and
+    east wind, the error of air velocity along the nose (airspeed) and across it (heading times airspeed), and the bias
+    of the range of each station. It is corrected in two phases:
 
-    - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and wind (GPS velocity minus air velocity).
+    - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and velocity.
     - *coasting* (`mode` 2): from the moment a fix is invalid or overdue by `fix_timeout`. Each DME range corrects
       along its line of sight, one scalar update after the other: L = P H' (H P H' + R)^-1 (the thesis prints H' P H in
       (6.39)), P+ = (I - L H) P (6.42). Residuals are measured minus predicted slant range on the ellipsoid, at the
@@ -33,25 +35,28 @@ class Navigator(stations.StationTable, Component):
 
     The same filter runs through both: there is no switch-over, hence no step at the switch.
 
-    *Measurement noise: a correction of the thesis.* (6.40) has the wide-band noise of 7.4 m alone; the bias of 315 m,
-    which lives for 20 s at 90 kn, is left out. The filter then claims 10 m and is hundreds of metres wrong
-    (`range_noise_model` 2). Here (`range_noise_model` 1) a range counts as
+    *Error model.* Wind, airspeed, heading and range biases are Gauss-Markov with the sigmas and times of Table 6.1;
+    the bias's time is 0.5 nmi / V, V the ground speed. Heading's sigma is what the heading reference says of itself
+    (`attitude.heading_sigma`). Gusts are too short to be states: a random walk of position and white noise on GPS
+    velocity with their long-run density. The estimates decay as their models say, wind to `wind_mean` (the thesis keeps
+    the estimates and lets their errors decay, which contradicts each other). The thesis flies with the four states
+    (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves the biases out as it does, and the
+    filter then claims 10 m and is hundreds of metres wrong.
 
-        R = sigma_b^2 (1 + rho) / (1 - rho) + sigma_w^2,  rho = exp(-dt / tau_r),  tau_r = 0.5 nmi / V,
-
-    dt since the same station was last used: the independent measurement of the same information. It tends to sigma_b^2
-    where ranges are rare and to sigma_b^2 2 tau_r / dt where they are frequent.
-
-    *Process noise.* Wind: 2 sigma^2 / tau of (3.36). The deleted states, heading and airspeed, are lumped into the
-    wind with their own 2 sigma^2 / tau, and what turns with the aircraft into a random walk of position
-    (`position_walk`). Between measurements the wind estimate decays to `wind_mean`, as its model (3.36) says (the
-    thesis keeps the estimate and lets the error decay, which contradicts each other).
-
-    *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held, and the wind is
-    driven as if the aircraft could turn anywhere within `blind_time`: the DME ranges then carry the solution alone.
+    *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held. The aircraft
+    may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed as their sigma,
+    and live for `blind_time`. The DME ranges then carry the solution.
 
     *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
     `rejected`. The variant as printed has none.
+
+    *Doubt.* Ranges that are refused again and again are evidence against the state. A refusal counts as far as it is
+    news, 1 - exp(-dt / tau) with the time tau of the bias, and those of all stations whose last range was refused
+    add up. When they reach `patience`, either these stations or the filter are wrong. The stations are, if they are
+    fewer than those whose ranges are used and these cross well (dilution at most `dilution_limit`); and so is a
+    single one, whatever the others, whose range jumped at once by more than the aircraft can have gone astray since
+    (`astray`). Otherwise dead reckoning is: `doubted` stays true until GPS is back, position gets the variance of the
+    refused innovation, and the air velocity counts as little as if it were missing, but keeps its correlation times.
 
     *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
     """
@@ -73,6 +78,13 @@ class Navigator(stations.StationTable, Component):
     attitude = Bundle(
         heading=Input("rad", display_unit="deg", description="true heading"),
         yaw_rate=Input("rad/s", display_unit="deg/s", description="rate of heading"),
+        heading_sigma=Input(
+            "rad",
+            start=np.radians(2.5),
+            min=0.0,
+            display_unit="deg",
+            description="standard deviation of heading by its reference (thesis (3.84), p. 101: 2.5 deg)",
+        ),
         description="attitude",
     )
     air = Bundle(
@@ -94,13 +106,6 @@ class Navigator(stations.StationTable, Component):
     )
 
     dme_aiding = Parameter(kind="boolean", start=True, description="whether DME ranges are used; false: open loop")
-    range_noise_model = Parameter(
-        kind="integer",
-        start=1,
-        min=1,
-        max=2,
-        description="1: with the correlated bias (our correction); 2: wide-band noise alone, thesis (6.40) as printed",
-    )
     update_period = Parameter("s", start=0.1, min=0.001, max=1.0, description="period of dead reckoning")
     fix_timeout = Parameter(
         "s", start=3.0, min=0.0, max=3600.0, description="age of the last good fix from which GPS counts as lost"
@@ -122,14 +127,9 @@ class Navigator(stations.StationTable, Component):
         description="standard deviation of the wind about its mean (thesis (3.36), p. 69)",
     )
     wind_time = Parameter("s", start=400.0, min=1.0, description="correlation time of the wind (thesis (3.36))")
-    heading_sigma = Parameter(
-        "rad",
-        start=np.radians(2.5),
-        min=0.0,
-        display_unit="deg",
-        description="standard deviation of the heading error (thesis (3.84), p. 101)",
+    heading_time = Parameter(
+        "s", start=120.0, min=1.0, description="correlation time of the heading error (thesis (3.85))"
     )
-    heading_time = Parameter("s", start=120.0, min=1.0, description="its correlation time (thesis (3.85))")
     airspeed_sigma = Parameter(
         "m/s",
         start=2.6,
@@ -138,12 +138,15 @@ class Navigator(stations.StationTable, Component):
         description="standard deviation of the airspeed error (thesis (3.32), p. 64)",
     )
     airspeed_time = Parameter("s", start=400.0, min=1.0, description="its correlation time (thesis (3.32))")
-    position_walk = Parameter(
-        "m",
-        start=5.0,
+    gust_sigma = Parameter(
+        "m/s",
+        start=1.524,
         min=0.0,
-        description="random walk of position in one second, for the deleted errors that turn with the aircraft "
-        "(own choice: in a turn at 1.5 to 3 deg/s they move it by 90 to 180 m, which this does in 5 to 20 minutes)",
+        display_unit="kn",
+        description="intensity of the gusts on each axis; light turbulence of MIL-F-8785C: 5 ft/s",
+    )
+    gust_length = Parameter(
+        "m", start=533.4, min=1.0, display_unit="ft", description="scale of the gusts, MIL-F-8785C: 1750 ft"
     )
     fix_sigma = Parameter(
         "m",
@@ -182,7 +185,24 @@ class Navigator(stations.StationTable, Component):
         description="ranges with a larger innovation, in standard deviations, are rejected; 0: none (own choice)",
     )
     geometry_window = Parameter(
-        "s", start=90.0, min=0.0, description="stations ranged within this time count in `hdop` (own choice)"
+        "s",
+        start=90.0,
+        min=0.0,
+        description="stations whose ranges were used within this time count in `hdop` "
+        "(own choice: five stations in turn, one every 15 s)",
+    )
+    patience = Parameter(
+        "1",
+        start=2.0,
+        min=0.0,
+        description="refused ranges, counted as far as they are news, that raise doubt (own choice)",
+    )
+    dilution_limit = Parameter(
+        "1",
+        start=2.83,
+        min=1.0,
+        description="dilution up to which stations fix a position: lines of sight that cross at 30 to 150 degrees "
+        "(AC 90-100A)",
     )
     blind_time = Parameter(
         "s",
@@ -213,8 +233,9 @@ class Navigator(stations.StationTable, Component):
     east_sigma = Output("m", description="standard deviation of east position by the filter's covariance")
     mode = Output(kind="integer", min=0, max=2, description="0 initialising, 1 calibrating (GPS), 2 coasting (no GPS)")
     hdop = Output(
-        "1", start=99.0, description="dilution of precision of the stations ranged lately; 99: lines do not cross"
+        "1", start=99.0, description="dilution of precision of the ranges used lately; 99: lines do not cross"
     )
+    doubted = Output(kind="boolean", description="ranges have contradicted dead reckoning since GPS was lost")
     rejected = Output(kind="integer", min=0, description="number of ranges that the innovation gate rejected")
     used = Output(kind="integer", min=0, description="number of ranges that corrected the solution")
 
@@ -225,43 +246,82 @@ class Navigator(stations.StationTable, Component):
     pressure_altitude = State("m", description="last pressure altitude")
     climb = State("m/s", description="filtered vertical speed, positive up")
     wind = State(2, "m/s", description="wind: north, east")
-    air_velocity = State(2, "m/s", description="velocity relative to the air: north, east")
-    covariance = State(10, "1", description="upper triangle of the covariance of (6.54), row by row; m and m/s")
+    air_error = State(2, "m/s", description="to be added to the measured air velocity: along the nose, across it")
+    range_bias = State(PLACES, "m", description="bias of each station's ranges")
+    modelled = State(STATES - 2, "1", description="standard deviations of wind, air_error and range_bias; m/s and m")
+    airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
+    nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
+    air_velocity = State(2, "m/s", description="velocity relative to the air: north, east; corrected")
+    covariance = State(
+        STATES * (STATES + 1) // 2, "1", description="upper triangle of the covariance of (6.24), row by row; m and m/s"
+    )
     had_air = State(kind="boolean", description="air data and heading have been seen")
     initialised = State(kind="boolean", description="the first fix has been seen")
     fix_time = State("s", start=LONG_AGO, description="time of the last good fix")
+    last_speed = State("m/s", display_unit="kn", description="ground speed by the last good fix")
     fix_good = State(kind="boolean", description="the last report of the receiver was a good fix")
     range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
+    refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
+    refusals = State(PLACES, "1", description="ranges refused in a row, counted as far as they are news")
+    astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
+
+    def error_model(self, speed, seen):
+        """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed``; ``seen``:
+        there are heading and airspeed."""
+        doubt = np.where(np.logical_and(seen, np.logical_not(self.doubted)), 0.0, self.last_speed)
+        along = np.hypot(self.airspeed_sigma, doubt)
+        across = np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)
+        bias_time = self.correlation_distance / np.maximum(speed, 1.0)
+        sigmas = np.concatenate(
+            [
+                np.stack([self.wind_sigma, self.wind_sigma, along, across]),
+                self.bias_sigma * np.ones(PLACES),
+            ]
+        )
+        times = np.concatenate(
+            [
+                np.stack([self.wind_time, self.wind_time]),
+                np.where(seen, np.stack([self.airspeed_time, self.heading_time]), self.blind_time),
+                bias_time * np.ones(PLACES),
+            ]
+        )
+        return sigmas, times
+
+    def gusts(self, since):
+        """Variance of independent gusts every ``since`` s that do the same to position as those that last, (m/s)^2."""
+        time = self.gust_length / np.maximum(self.last_speed, 1.0)
+        return gauss_markov.white_equivalent(self.gust_sigma**2, since, time)
 
     @every("update_period")
     def dead_reckon(self):
         step = self.period
         seen = np.logical_and(self.attitude.valid, self.air.valid)
-        age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
-        heading = self.attitude.heading + self.attitude.yaw_rate * age
-        now = np.where(seen, navigator.air_velocity(self.air.true_airspeed, heading), self.air_velocity)
-        before = np.where(self.had_air, self.air_velocity, now)
+        before = self.air_velocity + self.wind
+        sigmas, times = self.error_model(np.sqrt(np.sum(before * before)), seen)
+        decay = np.exp(-step / times)
+        factor, added = navigator.follow(self.modelled, sigmas, decay)
+        air_error = factor[2:4] * self.air_error
+        wind = self.wind_mean + factor[:2] * (self.wind - self.wind_mean)
 
-        decay = np.exp(-step / self.wind_time)
-        wind = self.wind_mean + decay * (self.wind - self.wind_mean)
-        over_ground = 0.5 * (before + now + self.wind + wind)
+        age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
+        heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
+        airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
+        rows = navigator.velocity_rows(heading)
+        now = navigator.air_velocity(airspeed, heading) + rows[:, 2:] @ air_error
+        over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)
         latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground, step)
-        airspeed = np.sqrt(np.sum(now * now))
-        density = navigator.wind_noise(
-            airspeed,
-            (self.wind_sigma, self.wind_time),
-            (self.heading_sigma, self.heading_time),
-            (self.airspeed_sigma, self.airspeed_time),
-        )
-        density = density + np.where(seen, 0.0, navigator.blind_noise(airspeed, self.blind_time))
-        covariance = kalman.propagate(
-            self.covariance, navigator.transition(step, decay), navigator.noise(step, density, self.position_walk**2)
-        )
+        walk = self.gusts(step) * step * step
+        covariance = navigator.propagate(self.covariance, step, rows, factor, added, walk)
         running = self.initialised
         self.latitude = np.where(running, latitude, self.latitude)
         self.longitude = np.where(running, longitude, self.longitude)
         self.wind = np.where(running, wind, self.wind)
+        self.air_error = np.where(running, air_error, self.air_error)
+        self.range_bias = factor[4:] * self.range_bias
         self.covariance = np.where(running, covariance, self.covariance)
+        self.modelled = sigmas
+        self.nose = heading
+        self.airspeed = airspeed
 
         pressure_altitude = np.where(self.air.valid, self.air.pressure_altitude, self.pressure_altitude)
         rise = np.where(self.had_air, pressure_altitude - self.pressure_altitude, 0.0)
@@ -275,24 +335,29 @@ class Navigator(stations.StationTable, Component):
     def take_fix(self):
         good = self.fix.valid
         first = np.logical_and(good, np.logical_not(self.initialised))
-        lumped = navigator.lumped_variance(self.air_velocity, self.heading_sigma, self.airspeed_sigma)
-        start_covariance = kalman.of_variances(np.stack([self.fix_sigma**2] * 2 + [self.wind_sigma**2 + lumped] * 2))
+        start_covariance = kalman.of_variances(np.concatenate([np.stack([self.fix_sigma] * 2), self.modelled]) ** 2)
         latitude = np.where(first, self.fix.latitude, self.latitude)
         longitude = np.where(first, self.fix.longitude, self.longitude)
-        wind = np.where(first, self.wind_mean, self.wind)
+        self.wind = np.where(first, self.wind_mean, self.wind)
         covariance = np.where(first, start_covariance, self.covariance)
 
         age = self.time - self.fix.time_of_validity
-        way = (self.air_velocity + wind) * age
-        residual = way + navigator.offset(latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude)
-        correction, covariance = navigator.position_updates(np.zeros(4), covariance, residual, self.fix_sigma**2, good)
-        wind_residual = self.fix.velocity_n[:2] - self.air_velocity - wind
-        correction, covariance = navigator.wind_updates(
-            correction, covariance, wind_residual, self.velocity_sigma**2 + lumped, np.logical_and(good, self.had_air)
+        velocity = self.air_velocity + self.wind
+        residual = velocity * age + navigator.offset(
+            latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude
         )
-        self.latitude, self.longitude = navigator.advance(latitude, longitude, self.altitude, correction[:2], 1.0)
-        self.wind = wind + correction[2:]
-        self.covariance = covariance
+        since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
+        correction, self.covariance = navigator.fix_updates(
+            np.zeros(STATES),
+            covariance,
+            residual,
+            self.fix.velocity_n[:2] - velocity,
+            navigator.velocity_rows(self.nose),
+            (self.fix_sigma**2, self.velocity_sigma**2 + self.gusts(since)),
+            (good, np.logical_and(good, self.had_air)),
+        )
+        self.latitude, self.longitude = latitude, longitude
+        self.correct(correction)
 
         error = self.fix.altitude - self.pressure_altitude - self.altitude_offset
         gain = np.where(first, 1.0, self.altitude_gain)
@@ -300,7 +365,22 @@ class Navigator(stations.StationTable, Component):
         self.altitude = self.pressure_altitude + self.altitude_offset
         self.fix_time = np.where(good, self.fix.time_of_validity, self.fix_time)
         self.fix_good = good
+        ground_speed = np.sqrt(np.sum(self.fix.velocity_n[:2] * self.fix.velocity_n[:2]))
+        self.last_speed = np.where(good, ground_speed, self.last_speed)
         self.initialised = np.logical_or(self.initialised, good)
+        self.doubted = np.logical_and(self.doubted, np.logical_not(good))
+        self.refusals = np.where(good, 0.0, self.refusals)
+        self.astray = np.logical_and(self.astray, np.logical_not(good))
+
+    def correct(self, correction):
+        """Blend the corrections of (6.24) into the estimates, thesis (6.43)-(6.51)."""
+        self.latitude, self.longitude = navigator.advance(
+            self.latitude, self.longitude, self.altitude, correction[:2], 1.0
+        )
+        self.wind = self.wind + correction[2:4]
+        self.air_error = self.air_error + correction[4:6]
+        self.air_velocity = self.air_velocity + navigator.velocity_rows(self.nose)[:, 2:] @ correction[4:6]
+        self.range_bias = self.range_bias + correction[6:]
 
     def calibrating(self):
         """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
@@ -324,28 +404,53 @@ class Navigator(stations.StationTable, Component):
             self.station_altitude,
         )
         north, east, distance = navigator.direction_cosines(latitude, longitude, sight)
-        time_constant = dme.correlation_time(velocity, 1.0, self.correlation_distance)
-        since = np.maximum(moment - self.range_time, 1.0e-3)
-        bias = dme.white_equivalent(self.bias_sigma**2, since, time_constant)
-        corrected = self.range_noise_model == 1
-        variance = self.noise_sigma**2 + np.where(corrected, bias, 0.0)
-        gate = np.where(corrected, self.innovation_gate, 0.0)
         wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
         measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
-        residual = np.where(measured, self.ranging.slant_range - distance, 0.0)
-        correction, covariance, rejected = navigator.range_updates(
-            np.zeros(4), self.covariance, north, east, residual, variance, measured, gate
+        innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
+        predicted, curvature = navigator.range_variances(self.covariance, north, east, distance)
+        variance = self.noise_sigma**2 + curvature
+        spread = predicted + variance
+        correction, covariance, taken = navigator.range_updates(
+            np.zeros(STATES),
+            self.covariance,
+            north,
+            east,
+            innovation,
+            variance,
+            measured,
+            self.innovation_gate,
         )
-        self.latitude, self.longitude = navigator.advance(
-            self.latitude, self.longitude, self.altitude, correction[:2], 1.0
+        refused = np.logical_and(measured, np.logical_not(taken))
+        self.correct(correction)
+        self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
+        self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
+
+        reach = self.innovation_gate * np.sqrt(spread) + self.last_speed * (moment - self.range_time)
+        jumped = refused & (self.refusals == 0.0) & (np.abs(innovation) > reach)
+        self.astray = np.logical_or(self.astray, jumped) & np.logical_not(taken)
+        time_constant = self.correlation_distance / np.maximum(self.last_speed, 1.0)
+        since = moment - np.maximum(self.range_time, self.refused_time)
+        refusals = self.refusals + np.where(refused, navigator.news(since, time_constant), 0.0)
+        self.refusals = np.where(taken, 0.0, refusals)
+        self.range_time = np.where(taken, moment, self.range_time)
+        self.refused_time = np.where(refused, moment, self.refused_time)
+        used = moment - self.range_time <= self.geometry_window
+        against = (self.refusals > 0.0) & (moment - self.refused_time <= self.geometry_window)
+        believed = used & np.logical_not(against)
+        dilution = dme.dilution(north, east, believed)
+        self.hdop = np.where(wanted, dme.dilution(north, east, used), self.hdop)
+
+        # evidence against dead reckoning
+        several = np.sum(np.where(against, 1.0, 0.0)) > 1.5
+        counted = against & (several | np.logical_not(self.astray))
+        doubt = (
+            np.any(refused & counted)
+            & (np.sum(np.where(counted, self.refusals, 0.0)) >= self.patience)
+            & np.logical_not(navigator.outvoted(against, believed, dilution, self.dilution_limit))
         )
-        self.wind = self.wind + correction[2:]
-        self.covariance = covariance
-        self.range_time = np.where(measured, moment, self.range_time)
-        self.rejected = self.rejected + rejected
-        self.used = self.used + np.sum(np.where(measured, 1.0, 0.0)) - rejected
-        recent = moment - self.range_time <= self.geometry_window
-        self.hdop = np.where(wanted, dme.dilution(north, east, recent), self.hdop)
+        wrong = np.where(refused & counted & doubt, innovation, 0.0)
+        self.covariance = navigator.widen(covariance, np.max(wrong * wrong))
+        self.doubted = np.logical_or(self.doubted, doubt)
 
     @every("update_period")
     def report(self):

@@ -109,21 +109,6 @@ def tracking_time(before, answered, period):
     return np.where(answered, before + period, 0.0)
 
 
-def white_equivalent(variance, since, time_constant):
-    """Variance of independent measurements that carry the information of a correlated bias measured every ``since`` s.
-
-    The mean of many samples of a Gauss-Markov process of variance sigma^2 has the variance of independent samples of
-
-        sigma^2 (1 + rho) / (1 - rho),  rho = exp(-since / tau).
-
-    It goes to sigma^2 where the bias has changed altogether between measurements, and to 2 tau / since times that where
-    they are close together. This is what stands for the bias in the navigator's measurement noise: a correction of
-    thesis (6.40), which has the wide-band noise alone.
-    """
-    rho = np.exp(-since / time_constant)
-    return variance * (1.0 + rho) / (1.0 - rho)
-
-
 def dilution(north, east, used):
     """Horizontal dilution of precision, sqrt(trace (H' H)^-1) (thesis section 7.1), 99 where two lines do not cross.
 

@@ -29,3 +29,18 @@ def stationary(sigma, normal):
 def advance(value, phi, driving_sigma, normal):
     """Value one period later."""
     return phi * value + driving_sigma * normal
+
+
+def white_equivalent(variance, since, time_constant):
+    """Variance of independent values that carry the information of a process of ``variance`` measured every ``since``
+    s.
+
+    The mean of many samples of the process has the variance of independent samples of
+
+        sigma^2 (1 + rho) / (1 - rho),  rho = exp(-since / tau).
+
+    It goes to sigma^2 where the process has changed altogether between samples, and to 2 tau / since times that where
+    they are close together.
+    """
+    rho = np.exp(-since / time_constant)
+    return variance * (1.0 + rho) / (1.0 - rho)

@@ -1,12 +1,16 @@
-"""DME-aided dead reckoning: navigation equations and the matrices of the reduced-order filter.
+"""DME-aided dead reckoning: navigation equations, the filter's error model, and when its state is not to be believed.
 
-Thesis section 5.3 (dead reckoning), 6.4 (filter), 6.5 (reduced order: (6.54)). The filter's states are the errors
+Thesis section 5.3 (dead reckoning) and 6.4 (filter). The filter's states are the perturbations of (6.24) without
+altitude, with one range bias for each station:
 
-    [dp_n, dp_e, dV_NS, dV_EW]:  north and east position (m), north and east wind (m/s),
+    [dp_n, dp_e, dV_NS, dV_EW, dV, V dpsi, dR_1 .. dR_m]
 
-carried in the covariance; the estimates themselves are latitude, longitude and the wind. Heading and airspeed errors
-are not states. What they do is put into the process noise (:func:`noise`), and as far as they persist they are
-estimated as wind, because no measurement here can tell them apart on one heading.
+position (m) and wind (m/s) north and east; what is to be added to the measured air velocity along and across the nose
+(m/s): airspeed, and heading times airspeed; range biases (m). The truth is the estimate plus the perturbation. All but
+position are first-order Gauss-Markov.
+
+Across the nose a velocity stands in place of the angle of (6.26), so that the equations are linear at every error of
+heading, however large.
 """
 
 from __future__ import annotations
@@ -15,11 +19,21 @@ import numpy as np
 
 from models import earth, kalman
 
+VELOCITIES = 4
+"""Wind and air velocity errors, which position integrates; they follow position in the state vector."""
+
 
 def air_velocity(true_airspeed, heading):
     """North and east velocity relative to the air, m/s, thesis (5.5), (5.6). The flight path is taken as level: at 3
     degrees of climb the horizontal part is 0.14 % less."""
     return np.array([true_airspeed * np.cos(heading), true_airspeed * np.sin(heading)])
+
+
+def velocity_rows(heading):
+    """Derivatives of north and east velocity by wind (north, east) and air velocity error (along, across the nose),
+    shape (2, 4); rows 1 and 2, columns 4 to 7 of F (6.26), the column of heading divided by V."""
+    sine, cosine = np.sin(heading), np.cos(heading)
+    return np.array([[1.0, 0.0, cosine, -sine], [0.0, 1.0, sine, cosine]])
 
 
 def advance(latitude, longitude, altitude, velocity, time):
@@ -45,84 +59,136 @@ def offset(latitude, longitude, altitude, other_latitude, other_longitude):
     )
 
 
-def transition(time, wind_decay):
-    """Phi over ``time`` s: positions integrate the wind error, which decays by ``wind_decay``; (6.26), rows of
-    (6.54)."""
-    return np.array(
-        [
-            [1.0, 0.0, time, 0.0],
-            [0.0, 1.0, 0.0, time],
-            [0.0, 0.0, wind_decay, 0.0],
-            [0.0, 0.0, 0.0, wind_decay],
-        ]
-    )
+def follow(before, now, decay):
+    """How Gauss-Markov errors go on whose standard deviations change from ``before`` to ``now`` while they decay by
+    ``decay``.
 
+    A smaller sigma scales the errors; a larger one adds noise that is independent of them. Either way an error that
+    nothing measures has the sigma that is claimed for it at every step; with a constant sigma it is (3.4), (3.5).
 
-def wind_noise(airspeed, wind, heading, airspeed_error):
-    """Power spectral density that drives the wind states, (m/s)^2/s.
-
-    Each argument after ``airspeed`` (m/s) is a pair (sigma, tau) of a Gauss-Markov process: wind (m/s), heading (rad)
-    and airspeed (m/s). 2 sigma^2 / tau of the wind, thesis (3.36), (5.30), plus that of the deleted states of (5.13),
-    turned into velocity by V: they are lumped into the wind, on both axes because the heading takes every direction.
+    Returns
+    -------
+    Factor of the errors (the diagonal of Phi), and variance of what is added (the diagonal of C_d).
     """
-    lumped = airspeed * airspeed * heading[0] * heading[0] / heading[1] + airspeed_error[0] ** 2 / airspeed_error[1]
-    return 2.0 * (wind[0] * wind[0] / wind[1] + lumped)
+    factor = decay * np.minimum(1.0, now / np.maximum(before, 1.0e-9))
+    return factor, now * now - factor * factor * before * before
 
 
-def blind_noise(airspeed, time):
-    """What drives the wind states in addition while heading or airspeed are unknown, (m/s)^2/s: an error of velocity as
-    large as the airspeed (m/s) that lives for ``time`` (s).
+def propagate(upper, step, rows, factor, added, walk):
+    """P[k+1] = Phi P Phi' + C_d, (6.31), over ``step`` s, packed.
+
+    Parameters
+    ----------
+    upper
+        Packed covariance of n states; leading axes are free, here and in all that follows.
+    rows
+        Derivatives of velocity, shape (2, 4), of :func:`velocity_rows`.
+    factor, added
+        Of the n - 2 Gauss-Markov states, from :func:`follow`.
+    walk
+        Variance of the random walk of position on each axis, m^2.
     """
-    return 2.0 * airspeed * airspeed / time
+    covariance = kalman.unpack(upper)
+    position, cross, errors = covariance[..., :2, :2], covariance[..., :2, 2:], covariance[..., 2:, 2:]
+    moved = cross + step * (rows @ errors[..., :VELOCITIES, :])
+    before, after = cross[..., :VELOCITIES], moved[..., :VELOCITIES]
+    position = position + step * (rows @ _transposed(before) + after @ _transposed(rows)) + walk * np.eye(2)
+    cross = moved * factor[..., None, :]
+    errors = errors * factor[..., :, None] * factor[..., None, :] + added[..., None] * np.eye(added.shape[-1])
+    upper_half = np.concatenate([position, cross], -1)
+    return kalman.pack(np.concatenate([upper_half, np.concatenate([_transposed(cross), errors], -1)], -2))
 
 
-def lumped_variance(air_velocity, heading_sigma, airspeed_sigma):
-    """Variance of the velocity error that heading and airspeed make on one axis, (m/s)^2: (5.16), (5.17), both on any
-    axis."""
-    return np.sum(air_velocity * air_velocity) * heading_sigma * heading_sigma + airspeed_sigma * airspeed_sigma
+def _transposed(matrix):
+    return np.swapaxes(matrix, -1, -2)
 
 
-def noise(time, wind_density, position_density):
-    """C_d over ``time`` s, packed: the integrals of white noise on the wind states and on the position states.
+def fix_updates(correction, upper, position, velocity, rows, variances, use):
+    """Take the north and east residuals of a GPS fix: position (m), then velocity (m/s).
 
-    ``position_density`` (m^2/s) stands for what the lumping of :func:`wind_noise` misses: in a turn the deleted errors
-    turn with the aircraft, faster than a wind does.
+    Parameters
+    ----------
+    position, velocity
+        Measured minus predicted, north and east.
+    rows
+        Derivatives of velocity, of :func:`velocity_rows`.
+    variances
+        Of position and of velocity, on each axis.
+    use
+        Whether there is a position, and whether there is a velocity.
     """
-    along = wind_density * time * time * time / 3.0 + position_density * time
-    across = wind_density * time * time / 2.0
-    wind = wind_density * time
-    zero = 0.0 * time
-    return np.array([along, zero, across, zero, along, zero, across, wind, zero, wind])
-
-
-def position_updates(correction, upper, residual, variance, use):
-    """Take the north and east residuals (m) of a position fix: two scalar updates."""
-    for axis, row in enumerate(np.eye(4)[:2]):
-        correction, upper, _ = kalman.update(correction, upper, row, variance, residual[axis], use)
+    row = _rows_of(upper)
+    for axis, unit in enumerate(np.eye(2)):
+        at = row(unit, np.zeros(VELOCITIES))
+        correction, upper, _ = kalman.update(correction, upper, at, variances[0], position[..., axis], use[0])
+    for axis in range(2):
+        at = row(np.zeros(2), rows[..., axis, :])
+        correction, upper, _ = kalman.update(correction, upper, at, variances[1], velocity[..., axis], use[1])
     return correction, upper
 
 
-def wind_updates(correction, upper, residual, variance, use):
-    """Take the north and east residuals (m/s) of the wind: GPS velocity minus air velocity minus the wind state."""
-    for axis, row in enumerate(np.eye(4)[2:]):
-        correction, upper, _ = kalman.update(correction, upper, row, variance, residual[axis], use)
-    return correction, upper
+def _rows_of(upper):
+    """Makes rows of H from their parts for position, velocities and range biases (none if left out)."""
+    leading, biases = np.shape(upper)[:-1], kalman.order(upper) - 2 - VELOCITIES
+
+    def row(position, velocities, own=None):
+        parts = (position, velocities, np.zeros(biases) if own is None else own)
+        return np.concatenate([np.broadcast_to(part, (*leading, np.shape(part)[-1])) for part in parts], -1)
+
+    return row
+
+
+def range_variances(upper, north, east, distance):
+    """What the covariance says of the ranges to stations at ``distance`` m: variance of the predicted ranges, biases
+    included, and of what their curvature adds, m^2.
+
+    The second derivative of a range is 1 / distance across the line of sight. Where the position is uncertain by
+    kilometres the linear rows of H would claim more than is known; half the square of (variance across / distance) is
+    the variance of the second-order term of a normal error (Gelb, Applied Optimal Estimation, 1974, (6.1-30)).
+    """
+    states = kalman.order(upper)
+    covariance = kalman.unpack(upper)
+    bias = np.arange(2 + VELOCITIES, states)
+    nn, ne, ee = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    along = north * north * nn + 2.0 * north * east * ne + east * east * ee
+    across = east * east * nn - 2.0 * north * east * ne + north * north * ee
+    shared = 2.0 * (north * covariance[0, bias] + east * covariance[1, bias])
+    return along + shared + covariance[bias, bias], 0.5 * (across / np.maximum(distance, 1.0)) ** 2
 
 
 def range_updates(correction, upper, north, east, residual, variance, measured, gate):
     """Take the residuals (m) of the slant ranges, one scalar update after the other, (6.39)-(6.42).
 
-    ``north``, ``east``: direction cosines of the lines of sight, the rows of H; (6.36) has them for projected ranges.
-    Returns correction, upper and how many ranges were rejected by the gate.
+    ``north``, ``east``: direction cosines of the lines of sight, which are the rows of H; (6.36) has them for projected
+    ranges. Each range has its own bias. Returns correction, upper and which ranges were taken: not those that the
+    gate refuses.
     """
-    rejected = 0.0
-    for station in range(len(residual)):
-        row = np.array([north[station], east[station], 0.0, 0.0])
-        correction, upper, taken = kalman.update(
-            correction, upper, row, variance[station], residual[station], measured[station], gate
+    taken, row = [], _rows_of(upper)
+    for station, own in enumerate(np.eye(np.shape(residual)[-1])):
+        at = row(np.stack([north[..., station], east[..., station]], -1), np.zeros(VELOCITIES), own)
+        correction, upper, one = kalman.update(
+            correction, upper, at, variance[..., station], residual[..., station], measured[..., station], gate
         )
-        rejected = rejected + np.where(np.logical_and(measured[station], np.logical_not(taken)), 1.0, 0.0)
-    return correction, upper, rejected
+        taken.append(one)
+    return correction, upper, np.stack(taken, -1)
+
+
+def news(since, time_constant):
+    """How much of a measurement made ``since`` s after the last one is news, where its error has the correlation
+    ``time_constant`` s: 1 - exp(-since / tau)."""
+    return 1.0 - np.exp(-since / time_constant)
+
+
+def outvoted(against, believed, dilution, limit):
+    """Whether the stations that contradict the state are contradicted in turn: there are more of those that it agrees
+    with, and these fix the position by themselves, with a dilution of precision of at most ``limit``."""
+    return (np.sum(np.where(believed, 1.0, 0.0)) > np.sum(np.where(against, 1.0, 0.0))) & (dilution <= limit)
+
+
+def widen(upper, variance):
+    """Add ``variance`` (m^2) to north and to east position."""
+    states = kalman.order(upper)
+    return upper + kalman.of_variances(np.concatenate([np.ones(2), np.zeros(states - 2)])) * variance
 
 
 def direction_cosines(latitude, longitude, sight):

@@ -38,8 +38,8 @@ def gauss_markov(rng, value, sigma, tau, step):
     return phi * value + sigma * np.sqrt(1.0 - phi * phi) * rng.standard_normal(np.shape(value))
 
 
-def run(seeds, mode=3, aided=True, as_printed=False, step=1.0, walk=5.0):
-    """Errors (time, seed, axis) and sigmas of the filter, and time."""
+def run(seeds, mode=3, aided=True, as_printed=False, step=1.0):
+    """Errors (time, seed, axis) and covariances (time, seed, 2, 2) of position, and time."""
     rng = np.random.default_rng(1000 + mode)
     time, position, velocity = flight(step)
     wind_model, heading_model, air_model = SIGMAS
@@ -47,53 +47,53 @@ def run(seeds, mode=3, aided=True, as_printed=False, step=1.0, walk=5.0):
     heading_error = heading_model[0] * rng.standard_normal(seeds)
     air_error = air_model[0] * rng.standard_normal(seeds)
     bias = dme.BIAS_SIGMA * rng.standard_normal((seeds, 2))
-    lumped = float(navigator.lumped_variance(np.array([SPEED, 0.0]), heading_model[0], air_model[0]))
-    estimate = np.concatenate([position[0] + np.zeros((seeds, 2)), np.zeros((seeds, 2))], axis=1)
-    upper = np.tile(kalman.of_variances(np.array([4.0, 4.0, 25.0 + lumped, 25.0 + lumped])), (seeds, 1))
-    decay = np.exp(-step / wind_model[1])
-    phi = navigator.transition(step, decay)
-    noise = navigator.noise(step, navigator.wind_noise(SPEED, *SIGMAS), walk**2)
-    last, before = np.full(2, -1e9), None
-    errors, sigmas = np.empty((len(time), seeds, 2)), np.empty((len(time), seeds, 2))
+    sigma = 0.0 if as_printed else dme.BIAS_SIGMA
+    # the air's own speed varies by some 10 %, and with it what an angle of heading makes across the nose
+    sigmas = np.array([wind_model[0]] * 2 + [air_model[0], SPEED * heading_model[0]] + [sigma] * 2)
+    times = np.array([wind_model[1]] * 2 + [air_model[1], heading_model[1]] + [926.0 / SPEED] * 2)
+    factor, added = navigator.follow(sigmas, sigmas, np.exp(-step / times))
+    upper = np.tile(kalman.of_variances(np.array([4.0, 4.0, *sigmas**2])), (seeds, 1))
+    place, estimate = position[0] + np.zeros((seeds, 2)), np.zeros((seeds, 6))
+    before = None
+    errors, covariances = np.empty((len(time), seeds, 2)), np.empty((len(time), seeds, 2, 2))
     for k, now in enumerate(time):
         air = velocity[k] - wind
         shown = np.arctan2(air[:, 1], air[:, 0]) + heading_error
-        measured_air = (np.hypot(air[:, 0], air[:, 1]) + air_error) * np.stack([np.cos(shown), np.sin(shown)])
-        measured_air = measured_air.T
+        speed = np.hypot(air[:, 0], air[:, 1]) + air_error
+        rows = np.array([navigator.velocity_rows(angle) for angle in shown])
         if before is not None:
-            estimate[:, :2] += step * (0.5 * (before + measured_air) + estimate[:, 2:])
-            estimate[:, 2:] *= decay
-            upper = kalman.propagate(upper, phi, noise)
-        before = measured_air
-        correction = np.zeros((seeds, 4))
+            estimate = estimate * factor
+            upper = navigator.propagate(upper, step, rows, factor, added, 0.0)
+        ground = speed[:, None] * rows[:, :, 2] + np.einsum("sij,sj->si", rows, estimate[:, :4])
+        place = place + (0.0 if before is None else 0.5 * step * (before + ground))
+        correction = np.zeros((seeds, 8))
         if now <= LOSS:
-            for axis, row in enumerate(np.eye(4)):
-                rows = np.tile(row, (seeds, 1))
-                if axis < 2:
-                    residual = position[k, axis] + 2.0 * rng.standard_normal(seeds) - estimate[:, axis]
-                else:
-                    seen = velocity[k, axis - 2] + 0.1 * rng.standard_normal(seeds)
-                    residual = seen - measured_air[:, axis - 2] - estimate[:, axis]
-                variance = 4.0 if axis < 2 else lumped + 0.01
-                correction, upper, _ = kalman.update(correction, upper, rows, variance, residual)
+            seen = position[k] + 2.0 * rng.standard_normal((seeds, 2)) - place
+            felt = velocity[k] + 0.1 * rng.standard_normal((seeds, 2)) - ground
+            correction, upper = navigator.fix_updates(correction, upper, seen, felt, rows, (4.0, 0.01), (True, True))
         elif aided:
             slot = round(now) // 15
             due = {1: [slot % 2], 2: [0, 1], 3: [0, 1]}[mode] if mode == 3 or round(now) % 15 == 0 else []
-            for station in due:
-                true = np.hypot(*(position[k] - STATIONS[station]))
-                reading = dme.measure(true, bias[:, station], dme.NOISE_SIGMA, rng.standard_normal(seeds))
-                sight = estimate[:, :2] - STATIONS[station]
-                distance = np.hypot(sight[:, 0], sight[:, 1])
-                rows = np.concatenate([sight / distance[:, None], np.zeros((seeds, 2))], axis=1)
-                colored = dme.white_equivalent(dme.BIAS_SIGMA**2, now - last[station], 926.0 / SPEED)
-                variance = dme.NOISE_SIGMA**2 + (0.0 if as_printed else colored)
-                correction, upper, _ = kalman.update(correction, upper, rows, variance, reading - distance)
-                last[station] = now
-        estimate = estimate + correction
-        errors[k] = estimate[:, :2] - position[k]
-        sigmas[k] = np.sqrt(kalman.diagonal(upper)[:, :2])
+            sight = place[:, None] - STATIONS
+            distance = np.hypot(sight[..., 0], sight[..., 1])
+            true = np.hypot(*(position[k] - STATIONS).T)
+            reading = dme.measure(true, bias, dme.NOISE_SIGMA, rng.standard_normal((seeds, 2)))
+            correction, upper, _ = navigator.range_updates(
+                correction,
+                upper,
+                sight[..., 0] / distance,
+                sight[..., 1] / distance,
+                reading - distance - estimate[:, 4:],
+                np.full(2, dme.NOISE_SIGMA**2),
+                np.isin([0, 1], due),
+                0.0,
+            )
+        place, estimate = place + correction[:, :2], estimate + correction[:, 2:]
+        before = speed[:, None] * rows[:, :, 2] + np.einsum("sij,sj->si", rows, estimate[:, :4])
+        errors[k] = place - position[k]
+        covariances[k] = kalman.unpack(upper)[:, :2, :2]
         wind = gauss_markov(rng, wind, *wind_model, step)
         heading_error = gauss_markov(rng, heading_error, *heading_model, step)
         air_error = gauss_markov(rng, air_error, *air_model, step)
         bias = gauss_markov(rng, bias, dme.BIAS_SIGMA, 926.0 / SPEED, step)
-    return time, errors, sigmas
+    return time, errors, covariances

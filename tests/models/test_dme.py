@@ -70,19 +70,6 @@ def test_correlation_time_is_half_a_nautical_mile_of_flight():
     assert dme.correlation_time(np.zeros(3), 5.0) == pytest.approx(926.0 / 5.0)
 
 
-@pytest.mark.parametrize("since", [0.5, 15.0, 30.0, 100.0])
-def test_the_white_equivalent_carries_the_information_of_the_correlated_bias(since):
-    """Variance of the mean of many samples of the process, from its covariance matrix, times their number."""
-    tau, n = 20.0, 4000
-    rho = np.exp(-since / tau)
-    lags = np.arange(1, n)
-    mean_variance = (n + 2.0 * np.sum((n - lags) * rho**lags)) / n**2
-    assert dme.white_equivalent(1.0, since, tau) == pytest.approx(mean_variance * n, rel=0.03)
-    # its limits: max(1, 2 tau / since) to within the width of the transition
-    assert dme.white_equivalent(1.0, 1e4, tau) == pytest.approx(1.0)
-    assert dme.white_equivalent(1.0, 0.01, tau) == pytest.approx(2.0 * tau / 0.01, rel=1e-4)
-
-
 def test_horizon_is_the_tangent_over_four_thirds_of_the_earth():
     reach = dme.horizon(1500.0, np.array([0.0, 1000.0]), 10.0)
     tangent = np.sqrt((dme.RADIO_EARTH_RADIUS + 1500.0) ** 2 - dme.RADIO_EARTH_RADIUS**2)

@@ -39,3 +39,16 @@ def test_simulated_process_has_its_sigma_and_correlation():
         assert low < np.mean(sample**2) / 25.0 < high
     z = np.arctanh(np.corrcoef(first, x)[0, 1]) - np.arctanh(np.exp(-1.0))
     assert abs(z) < 4.9 / np.sqrt(count - 3)
+
+
+@pytest.mark.parametrize("since", [0.5, 15.0, 30.0, 100.0])
+def test_the_white_equivalent_carries_the_information_of_the_correlated_process(since):
+    """Variance of the mean of many samples of the process, from its covariance matrix, times their number."""
+    tau, n = 20.0, 4000
+    rho = np.exp(-since / tau)
+    lags = np.arange(1, n)
+    mean_variance = (n + 2.0 * np.sum((n - lags) * rho**lags)) / n**2
+    assert gauss_markov.white_equivalent(1.0, since, tau) == pytest.approx(mean_variance * n, rel=0.03)
+    # its limits: max(1, 2 tau / since) to within the width of the transition
+    assert gauss_markov.white_equivalent(1.0, 1e4, tau) == pytest.approx(1.0)
+    assert gauss_markov.white_equivalent(1.0, 0.01, tau) == pytest.approx(2.0 * tau / 0.01, rel=1e-4)
