@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
+from fmus.grades import GRADES, ahrs_parameters
 from models import ahrs, attitude, earth, kalman
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, start
+
+_DEFAULT = ahrs_parameters(GRADES["automotive"])
 
 
 class Ahrs(Component):
@@ -28,7 +31,8 @@ class Ahrs(Component):
     *Noise of the tilt.* What the airspeed does not show is the change of the wind, slip and angle of attack. Their
     level is learned from the innovations, roll and pitch apart: output `tilt_noise`. What does not fit the level raises
     it; nothing is gated. Gates by yaw rate (4.67) and magnitude (thesis p. 150) see neither the accelerations of a real
-    straight flight nor those of a long turn's begin.
+    straight flight nor those of a long turn's begin. Where in straight flight the level is off by `doubt_angle` for a
+    whole window, the attitude is lost, and the filter begins anew.
 
     *Without air data* (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first
     `airspeed`, its error grows to `blind_airspeed_sigma`, and the tilt has `blind_tilt_sigma`: all sigmas are wider.
@@ -85,21 +89,21 @@ class Ahrs(Component):
     )
     declination_sigma = Parameter(
         "rad",
-        start=np.radians(0.5),
+        start=_DEFAULT["declination_sigma"],
         min=0.0,
         display_unit="deg",
-        description="error of the declination along the flight and of the triad's mounting about the vertical",
+        description="error of the heading that stays: declination, mounting about the vertical, soft iron",
     )
     level_sigma = Parameter(
         "rad",
-        start=np.radians(0.1),
+        start=_DEFAULT["level_sigma"],
         min=0.0,
         display_unit="deg",
         description="constant error of the level: null shift of the accelerometers over g, mounting",
     )
     gyro_noise = Parameter(
         "rad/s",
-        start=np.radians(0.05),
+        start=_DEFAULT["gyro_noise"],
         min=0.0,
         display_unit="deg/s",
         description="wide-band noise of a gyro sample (thesis Table 3.2, Table 4.4 sigma_p, sigma_q, sigma_r)",
@@ -108,20 +112,27 @@ class Ahrs(Component):
         "1", start=3.0, min=0.0, description="tuning factor on the gyro noise (thesis (4.39); Table 4.4 has 10)"
     )
     gyro_scale_sigma = Parameter(
-        "1", start=0.005, min=0.0, description="standard deviation of the gyros' scale factor error"
+        "1",
+        start=_DEFAULT["gyro_scale_sigma"],
+        min=0.0,
+        description="standard deviation of the gyros' scale factor error",
     )
     gyro_null_shift_sigma = Parameter(
-        "rad/s", start=0.0, min=0.0, display_unit="deg/s", description="standard deviation of the gyros' null shift"
+        "rad/s",
+        start=_DEFAULT["gyro_null_shift_sigma"],
+        min=0.0,
+        display_unit="deg/s",
+        description="standard deviation of the gyros' null shift",
     )
     gyro_drift_sigma = Parameter(
         "rad/s",
-        start=np.radians(0.05),
+        start=_DEFAULT["gyro_drift_sigma"],
         min=0.0,
         display_unit="deg/s",
         description="standard deviation of the gyro drift (thesis Table 3.2, Table 4.4 sigma_w)",
     )
     gyro_drift_time = Parameter(
-        "s", start=300.0, min=1.0, description="correlation time of the drift (thesis Table 3.2)"
+        "s", start=_DEFAULT["gyro_drift_time"], min=1.0, description="correlation time of the drift (thesis Table 3.2)"
     )
     tilt_sigma = Parameter(
         "rad",
@@ -147,6 +158,20 @@ class Ahrs(Component):
     tilt_limit = Parameter(
         "1", start=3.0, min=1.0, description="sigmas beyond which a sum of innovations raises the noise at once"
     )
+    doubt_angle = Parameter(
+        "rad",
+        start=np.radians(15.0),
+        min=1.0e-6,
+        display_unit="deg",
+        description="mean misfit of the level in a window of straight flight from which the attitude is taken for lost",
+    )
+    doubt_rate = Parameter(
+        "rad/s",
+        start=np.radians(0.5),
+        min=0.0,
+        display_unit="deg/s",
+        description="mean yaw rate below which flight is straight (thesis (4.67), p. 149)",
+    )
     blind_tilt_sigma = Parameter(
         "rad",
         start=np.radians(20.0),
@@ -159,7 +184,7 @@ class Ahrs(Component):
     )
     airspeed_sigma = Parameter(
         "m/s",
-        start=2.6,
+        start=_DEFAULT["airspeed_sigma"],
         min=0.0,
         display_unit="kn",
         description="standard deviation of the airspeed error (thesis (3.32))",
@@ -184,9 +209,10 @@ class Ahrs(Component):
     )
     hard_iron_sigma = Parameter(
         "1",
-        start=0.01,
+        start=_DEFAULT["hard_iron_sigma"],
         min=0.0,
-        description="hard iron of each axis over the strength of the field: 4 to 7 mG (thesis Fig 3.27) of 480",
+        description="hard iron of each axis over the strength of the field: 4 to 7 mG (thesis Fig 3.27) of 480, and "
+        "what the field cannot tell from it",
     )
     dip_sigma = Parameter(
         "rad",
@@ -197,10 +223,11 @@ class Ahrs(Component):
     )
     dip_walk = Parameter(
         "rad",
-        start=np.radians(0.01),
+        start=np.radians(0.02),
         min=0.0,
         display_unit="deg",
-        description="random walk of the dip in one second: 0.6 deg in an hour (own choice)",
+        description="random walk of the dip in one second: 1.2 deg in an hour; at 200 m/s to the north it changes by "
+        "twice as much",
     )
     initial_sigma = Parameter(
         "rad",
@@ -246,6 +273,7 @@ class Ahrs(Component):
     tilt_level = State(2, "1", start=1.0, description="learned variance of the tilt over that of tilt_sigma")
     innovation_sum = State(2, "1", description="sum of innovations over their sigma in this window")
     innovation_count = State(2, "1", description="number of innovations in this window")
+    turn_sum = State("rad", description="integral of the size of the yaw rate in this window")
     window_time = State("s", description="time since this window began")
     field_seen = State(kind="integer", description="sequence number of the last field used")
     aligned = State(kind="boolean", description="initial alignment has been done")
@@ -350,8 +378,9 @@ class Ahrs(Component):
         felt_again = felt & self.aligned
         uses = felt_again, felt_again & (np.logical_not(fresh) | (self.had_air & changed))
         floor = (self.tilt_sigma_min / self.tilt_sigma) ** 2
+        turned = self.turn_sum + np.abs(rate[2]) * self.period
         ended = self.window_time + self.period >= self.tilt_window - 1.0e-6
-        levels, totals, numbers = [], [], []
+        levels, totals, numbers, means = [], [], [], []
         for axis, use in enumerate(uses):
             innovation = (residuals[axis] - np.sum(rows[axis] * correction)) / sigma
             total = self.innovation_sum[axis] + np.where(use, innovation, 0.0)
@@ -362,8 +391,12 @@ class Ahrs(Component):
             )
             after = ahrs.learned(noise_level, total, number, self.tilt_window / self.tilt_time, floor)
             levels.append(np.where(ended & (number > 0.5), after, noise_level))
-            totals.append(np.where(ended, 0.0, total))
-            numbers.append(np.where(ended, 0.0, number))
+            totals.append(total)
+            numbers.append(number)
+
+            means.append(sigma * total / np.maximum(number, 1.0))
+        window = self.window_time + self.period
+        wrong = ahrs.lost(np.stack(means), turned / window, self.doubt_angle, self.doubt_rate)
 
         # measurement update: field
         then = angles[2] - attitude.euler_rates(rate, angles[0], angles[1])[2] * (
@@ -375,24 +408,26 @@ class Ahrs(Component):
                 correction, covariance, rows[axis], self.field_sigma**2, direction[axis] - expected[axis], new_field
             )
 
+        roll, pitch, heading, dip, over, under = ahrs.upright(*(angles + correction[:3]), dip + correction[ahrs.DIP])
+        covariance = ahrs.mirrored(ahrs.mirrored(covariance, over, ahrs.PITCH), under, ahrs.DIP)
         running = np.logical_or(self.aligned, align)
-        correction = np.where(running, correction, np.zeros(ahrs.STATES))
-        angles = angles + correction[:3]
-        heading, dip, over = ahrs.upright(angles[2], dip + correction[ahrs.DIP])
-        self.angles = np.stack([angles[0], angles[1], attitude.wrap(heading)])
-        self.dip = dip
-        self.covariance = np.where(running, ahrs.mirrored(covariance, over), self.covariance)
-        self.gyro_bias = self.gyro_bias + correction[3:6]
-        self.rate = self.rate - correction[3:6]
-        self.hard_iron = self.hard_iron + correction[7:10]
-        self.airspeed_error = airspeed_error + correction[ahrs.AIRSPEED]
-        self.aligned = running
+        begin = np.logical_not(running) | (ended & fresh & wrong) | np.logical_not(ahrs.sound(covariance))
+        self.aligned = np.logical_not(begin)
+        self.angles = np.where(begin, self.angles, np.stack([attitude.wrap(roll), pitch, attitude.wrap(heading)]))
+        self.covariance = np.where(begin, 0.0, covariance)
+        self.dip = np.where(begin, 0.0, dip)
+        self.gyro_bias = np.where(begin, np.zeros(3), self.gyro_bias + correction[3:6])
+        self.rate = np.where(begin, self.imu.rate, self.rate - correction[3:6])
+        self.hard_iron = np.where(begin, np.zeros(3), self.hard_iron + correction[7:10])
+        self.airspeed_error = np.where(begin, 0.0, airspeed_error + correction[ahrs.AIRSPEED])
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
 
-        self.tilt_level = np.stack(levels)
-        self.innovation_sum = np.stack(totals)
-        self.innovation_count = np.stack(numbers)
-        self.window_time = np.where(ended, 0.0, self.window_time + self.period)
+        fresh_window = ended | begin
+        self.tilt_level = np.where(begin, 1.0, np.stack(levels))
+        self.innovation_sum = np.where(fresh_window, 0.0, np.stack(totals))
+        self.innovation_count = np.where(fresh_window, 0.0, np.stack(numbers))
+        self.turn_sum = np.where(fresh_window, 0.0, turned)
+        self.window_time = np.where(fresh_window, 0.0, window)
         kept = fresh & self.had_air & np.logical_not(changed)
         self.tilt_sum = np.stack([0.0, np.where(kept, self.tilt_sum[1], 0.0)])
         self.sample_count = np.stack([0.0, np.where(kept, self.sample_count[1], 0.0)])

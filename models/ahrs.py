@@ -41,7 +41,7 @@ from models import attitude, earth, kalman
 STATES = 11
 MOVING = 3
 """The first states, the angles, are driven by all; the others hold their values."""
-DIP, AIRSPEED = 6, 10
+PITCH, DIP, AIRSPEED = 1, 6, 10
 TURN_TIME = 60.0
 """Time for which a turn lasts, s: as long a scale factor error of a gyro acts in one direction (own choice)."""
 
@@ -219,21 +219,44 @@ def field_rows(roll, pitch, heading, dip, declination, iron):
     return unit, np.concatenate([angles, none, dips, across, none[:, :1]], axis=1)
 
 
-def upright(heading, dip):
-    """Heading, dip, and whether the dip was beyond the vertical: that is the same field seen the other way round."""
-    over = np.abs(dip) > 0.5 * np.pi
+def upright(roll, pitch, heading, dip):
+    """The same angles with pitch and dip within a quarter turn, and whether either of the two was beyond.
+
+    A pitch beyond the vertical is the attitude with the other three quarters turned round; a dip beyond the vertical is
+    the same field seen the other way round.
+    """
+    over = np.abs(pitch) > 0.5 * np.pi
+    under = np.abs(dip) > 0.5 * np.pi
     return (
-        np.where(over, heading + np.pi, heading),
-        np.where(over, np.sign(dip) * np.pi - dip, dip),
+        np.where(over, roll + np.pi, roll),
+        np.where(over, np.sign(pitch) * np.pi - pitch, pitch),
+        heading + np.where(over, np.pi, 0.0) + np.where(under, np.pi, 0.0),
+        np.where(under, np.sign(dip) * np.pi - dip, dip),
         over,
+        under,
     )
 
 
-def mirrored(upper, over):
-    """Covariance when the dip has changed sides: its error counts the other way."""
+def mirrored(upper, over, state):
+    """Covariance when the error of ``state`` counts the other way: :data:`PITCH` or :data:`DIP` have changed sides."""
     signs = np.ones(STATES)
-    signs[DIP] = -1.0
+    signs[state] = -1.0
     return np.where(over, upper * kalman.pack(np.outer(signs, signs)), upper)
+
+
+def lost(mean_tilts, turn_rate, tilt_limit, turn_limit):
+    """Whether the attitude is not that of the aircraft: in a window of straight flight the level is off by far.
+
+    In a turn a wrong airspeed makes the same misfit. ``mean_tilts`` (rad) are the means of the innovations over the
+    window, ``turn_rate`` (rad/s) that of the size of the yaw rate; the limits belong to them.
+    """
+    return np.logical_and(np.max(np.abs(mean_tilts)) > tilt_limit, turn_rate < turn_limit)
+
+
+def sound(upper):
+    """Whether the variances of the angles are those of angles: not negative, no NaN, below (half a turn)^2."""
+    variances = kalman.diagonal(upper)[:MOVING]
+    return np.logical_and(np.min(variances) >= 0.0, np.max(variances) < np.pi * np.pi)
 
 
 def renewed(upper, variance, use):
