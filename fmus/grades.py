@@ -1,4 +1,4 @@
-"""Error budgets of the sensors, one place: values for the parameters of ``imu``, ``magnetometer`` and ``air_data``.
+"""Error budgets of the sensors in one place: values for ``imu``, ``magnetometer``, ``air_data``, and so for ``ahrs``.
 
 Drift and wide-band noise of the inertial grades are those of thesis Table 3.2 (= Table 5.2), p. 56. The table leaves
 out what is constant after turn-on; here that is drawn from
@@ -16,6 +16,8 @@ Mounting, all grades but tactical: some 0.25 degrees in a light aircraft (own ch
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -80,3 +82,36 @@ AIR_DATA: dict[str, float] = {
 The difference of pressures has a calibration of its own: 2 % of it is 1 % of the airspeed, 10 Pa are 0.2 m/s at 46 m/s
 (the recording of a small aircraft at hand has 3 % and -20 Pa). The temperature probe is within 1 K (own choice).
 """
+
+FIELD = 480.0 * MILLIGAUSS
+"""Strength of Earth's field in middle latitudes, T."""
+EARTH_RATE_SEEN = 10.0 * DEG_PER_HOUR
+"""What a gyro of an aircraft that turns about sees of Earth's rate, and ``ahrs`` does not know: 15 deg/h, of which one
+axis has some two thirds."""
+CHART = 0.4 * DEG
+"""Change of the declination along a flight of an hour or two in middle latitudes."""
+
+
+def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
+    """Parameters of ``ahrs`` for an IMU with these, and for :data:`MAGNETOMETER` and :data:`AIR_DATA`.
+
+    A level that is wrong by a constant tilts the field, which in level flight cannot be told from hard iron: so the
+    hard iron that the filter looks for has the errors of the level and of mounting, too. Soft iron turns the needle on
+    all headings alike by half the difference of its two horizontal cross elements.
+    """
+    level = np.hypot(imu["accelerometer_null_shift_sigma"], imu["accelerometer_drift_sigma"]) / G
+    level = float(np.hypot(level, imu["misalignment_sigma"]))
+    soft, mounting = MAGNETOMETER["soft_iron_sigma"], MAGNETOMETER["misalignment_sigma"]
+    iron = np.array([MAGNETOMETER["hard_iron_sigma"] / FIELD, soft, mounting, level])
+    north = np.array([CHART, mounting, soft / np.sqrt(2.0)])
+    return {
+        "gyro_noise": imu["gyro_noise_sigma"],
+        "gyro_scale_sigma": imu["gyro_scale_factor_sigma"],
+        "gyro_null_shift_sigma": imu["gyro_null_shift_sigma"],
+        "gyro_drift_sigma": float(np.hypot(imu["gyro_drift_sigma"], EARTH_RATE_SEEN)),
+        "gyro_drift_time": imu["gyro_drift_time"],
+        "level_sigma": level,
+        "declination_sigma": float(np.linalg.norm(north)),
+        "hard_iron_sigma": float(np.linalg.norm(iron)),
+        "airspeed_sigma": AIR_DATA["airspeed_error_sigma"],
+    }
