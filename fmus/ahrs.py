@@ -38,8 +38,8 @@ class Ahrs(Component):
     `airspeed`, its error grows to `blind_airspeed_sigma`, and the tilt has `blind_tilt_sigma`: all sigmas are wider.
 
     *Hard iron and dip* are told apart from heading and tilt as the aircraft turns. What no measurement here can see,
-    because it stands still in the aircraft or in the chart, is added to the published sigmas: `declination_sigma`,
-    `level_sigma`.
+    because it stands still in the aircraft or in the chart, is added to the published sigmas: `level_sigma`,
+    `mounting_sigma`, `declination_sigma`.
 
     Covariance and gains are computed, P+ = Phi P Phi' + C_d (4.46), L = P H' (H P H' + R)^-1 (4.50, corrected); they
     are not scheduled. Phi has the derivatives by roll and pitch, which (4.34) sets to zero. Biases are random walks of
@@ -92,7 +92,14 @@ class Ahrs(Component):
         start=_DEFAULT["declination_sigma"],
         min=0.0,
         display_unit="deg",
-        description="error of the heading that stays: declination, mounting about the vertical, soft iron",
+        description="error of the declination along the flight at a dip of 60 degrees; it goes with 1 / cos(dip)",
+    )
+    mounting_sigma = Parameter(
+        "rad",
+        start=_DEFAULT["mounting_sigma"],
+        min=0.0,
+        display_unit="deg",
+        description="rotation of the needle by the triad's mounting and soft iron, on all headings alike",
     )
     level_sigma = Parameter(
         "rad",
@@ -437,7 +444,7 @@ class Ahrs(Component):
         self.airspeed_used_time = self.air.time_of_validity
         self.had_air = fresh
 
-        unseen = np.stack([self.level_sigma, self.level_sigma, self.declination_sigma])
+        unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, self.declination_sigma, self.dip)
         self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
         self.heading_sigma = self.sigmas[2]
         self.tilt_noise = sigma * np.sqrt(self.tilt_level)

@@ -88,8 +88,8 @@ FIELD = 480.0 * MILLIGAUSS
 EARTH_RATE_SEEN = 10.0 * DEG_PER_HOUR
 """What a gyro of an aircraft that turns about sees of Earth's rate, and ``ahrs`` does not know: 15 deg/h, of which one
 axis has some two thirds."""
-CHART = 0.4 * DEG
-"""Change of the declination along a flight of an hour or two in middle latitudes."""
+CHART = 0.3 * DEG
+"""Change of the declination along a flight of an hour or two, at a dip of 60 degrees."""
 
 
 def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
@@ -103,7 +103,6 @@ def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
     level = float(np.hypot(level, imu["misalignment_sigma"]))
     soft, mounting = MAGNETOMETER["soft_iron_sigma"], MAGNETOMETER["misalignment_sigma"]
     iron = np.array([MAGNETOMETER["hard_iron_sigma"] / FIELD, soft, mounting, level])
-    north = np.array([CHART, mounting, soft / np.sqrt(2.0)])
     return {
         "gyro_noise": imu["gyro_noise_sigma"],
         "gyro_scale_sigma": imu["gyro_scale_factor_sigma"],
@@ -111,7 +110,8 @@ def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
         "gyro_drift_sigma": float(np.hypot(imu["gyro_drift_sigma"], EARTH_RATE_SEEN)),
         "gyro_drift_time": imu["gyro_drift_time"],
         "level_sigma": level,
-        "declination_sigma": float(np.linalg.norm(north)),
+        "declination_sigma": CHART,
+        "mounting_sigma": float(np.hypot(mounting, soft / np.sqrt(2.0))),
         "hard_iron_sigma": float(np.linalg.norm(iron)),
         "airspeed_sigma": AIR_DATA["airspeed_error_sigma"],
     }

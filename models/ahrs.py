@@ -259,6 +259,16 @@ def sound(upper):
     return np.logical_and(np.min(variances) >= 0.0, np.max(variances) < np.pi * np.pi)
 
 
+def unseen(level, mounting, declination, dip):
+    """Sigmas of roll, pitch and heading by what stands still in the aircraft or in the chart, so that nothing shows it.
+
+    ``declination`` is the error of the chart's value along the flight where the dip is 60 degrees. A change of the
+    horizontal field turns it by an angle that goes with one over the field's horizontal part.
+    """
+    turned = declination * 0.5 / np.maximum(np.cos(dip), 0.05)
+    return np.array([level, level, np.sqrt(mounting * mounting + turned * turned)])
+
+
 def renewed(upper, variance, use):
     """Covariance where the airspeed comes from its instrument anew: its error has nothing to do with the last one's."""
     keep = np.ones(STATES)

@@ -186,5 +186,6 @@ class Reference:
 
     def sigmas(self):
         p = self.p
-        unseen = np.array([p["level_sigma"], p["level_sigma"], p["declination_sigma"]])
+        chart = p["declination_sigma"] * np.cos(np.radians(60.0)) / np.cos(self.x[6])
+        unseen = np.array([p["level_sigma"], p["level_sigma"], np.hypot(p["mounting_sigma"], chart)])
         return np.sqrt(np.diag(self.covariance)[:3] + unseen**2)
