@@ -14,6 +14,8 @@ from click.testing import CliRunner
 from benchmarks.contest import Contest
 from evidence import __main__ as command
 from evidence import closure, headline, public_fmus, real_flights, speed, step_sizes
+from evidence.recorded import figures
+from evidence.recorded.flight import VARIANTS, Flown, moved
 from evidence.section import Section
 from navfmu.fmi.fmu import describe
 from navfmu.report.claim import Claim
@@ -152,18 +154,72 @@ def test_step_sizes_claims_the_systems_own_step_only_if_it_is_good_enough():
     assert "Samples lost" not in text_of(step_sizes.section(made(lost=counted(0, 0, 0)), 0.2))
 
 
-def flown(error: float, consistent: float) -> real_flights.Flown:
+def flown(error: float = 100.0, sigma: float = 100.0, attitude: float = 1.0, consistent: float = 97.0) -> Flown:
+    """A flight of 1000 s with three seeds; ``attitude`` is the error of all angles over their sigma of 1 deg."""
     time = np.arange(0.0, 1001.0)
-    inside = np.arange(len(time)) % 100 < consistent
-    run = pd.DataFrame({"evaluation.horizontal_error": error, "evaluation.consistent": inside}, index=time)
-    return real_flights.Flown("made", None, {"time": time}, None, [], {v: [run] * 3 for v in real_flights.VARIANTS})
+    one = np.radians(1.0)
+    columns = {
+        "evaluation.horizontal_error": error,
+        "evaluation.north_error": error,
+        "evaluation.east_error": 0.0,
+        "evaluation.consistent": np.arange(len(time)) % 100 < consistent,
+        "navigator.north_sigma": sigma,
+        "navigator.east_sigma": sigma,
+        "navigator.used": 7.0,
+        "navigator.rejected": 3.0,
+    }
+    for angle in ("roll", "pitch", "heading"):
+        columns |= {f"aircraft.{angle}": 0.3, f"ahrs.attitude.{angle}_sigma": one}
+        columns |= {f"ahrs.attitude.{angle}": 0.3 + attitude * one * (-1.0) ** np.arange(len(time))}
+    run = pd.DataFrame(columns, index=time)
+    track = {"time": time, "latitude": 0.7 + 0.0 * time, "longitude": 0.1 + 0.0 * time, "altitude": 3000.0 + 0.0 * time}
+    return Flown("made", None, track, None, [0, 1], {variant: [run] * 3 for variant in VARIANTS})
 
 
-def test_real_flights_say_whether_the_filter_knows_its_error():
-    assert all(claim.holds for claim in flown(100.0, 97.0).claims())
-    claims = flown(100.0, 60.0).claims()
-    assert not any(claim.holds for claim in claims) and "outside the navigator's own 3 sigma" in claims[0].sentence
-    assert [row[4] for row in flown(np.nan, 97.0).rows()] == ["100.0", "100.0"]
+def test_recorded_flights_say_whether_the_filters_know_their_error():
+    assert all(claim.holds for claim in real_flights.Judged(flown()).claims())
+    for wrong, told in (
+        ({"consistent": 60.0}, "position is outside of the navigator's own 3 sigma"),
+        ({"attitude": 1.5}, "the heading is overconfident"),
+        ({"attitude": 0.5}, "the roll is overcautious"),
+        ({"attitude": 4.0}, "the heading is outside of its own 3 sigma"),
+    ):
+        claims = real_flights.Judged(flown(**wrong)).claims()
+        assert any(told in claim.sentence for claim in claims if not claim.holds), told
+    attitude, position = real_flights.titles([real_flights.Judged(flown(attitude=1.5))])
+    assert attitude == "Attitude: 4 of 7 claims on its sigmas hold"
+    assert position == "Position without GPS: as wrong as it says on every flight"
+
+
+def test_figures_of_recorded_flights_are_those_that_can_be_said_beforehand():
+    heading = figures.angle(flown(attitude=2.0).runs["main"], "heading")
+    assert heading.rms == pytest.approx(2.0)
+    assert heading.nees.value == pytest.approx(4.0) and heading.nees.half == pytest.approx(0.0, abs=1e-9)
+    where = figures.position(flown(300.0, 100.0).runs["main"])
+    assert (where.median, where.above, where.used, where.rejected) == (300.0, 0.0, 7.0, 3.0)
+    assert where.nees.value == pytest.approx(9.0)
+    assert figures.position(flown(np.nan).runs["main"]).above == 100.0
+    gone = figures.position(flown(consistent=20.0).runs["main"])
+    assert (gone.longest, gone.lost) == (80.0 / 60.0, 7 * 80.0 / 60.0)
+    assert figures.position(flown(consistent=50.0).runs["main"]).lost == 0.0, "no stretch is longer than a minute"
+    wrapped = pd.DataFrame(flown(attitude=0.0).runs["main"][0])
+    wrapped["aircraft.heading"] += 2.0 * np.pi
+    assert figures.angle([wrapped], "heading").rms == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_mean_over_seeds_has_the_interval_of_students_t():
+    mean = figures.Mean.of(np.array([1.0, 2.0, 3.0]))
+    assert (mean.value, mean.least, mean.most) == (2.0, 1.0, 3.0)
+    assert mean.half == pytest.approx(4.302653 / np.sqrt(3.0), rel=1e-6)
+
+
+def test_a_moved_flight_flies_the_same_distances(tmp_path):
+    table = pd.DataFrame({"time_s": [0, 60], "latitude_deg": [40.0, 40.2], "longitude_deg": [5.0, 5.5]})
+    table.to_csv(tmp_path / "flight.csv", index=False)
+    there = pd.read_csv(moved(tmp_path / "flight.csv", 70.0, tmp_path / "there.csv"))
+    assert there["latitude_deg"].tolist() == pytest.approx([70.0, 70.2])
+    east = (there["longitude_deg"][1] - 5.0) * np.cos(np.radians(70.2))
+    assert east == pytest.approx(0.5 * np.cos(np.radians(40.2)))
 
 
 def test_speed_tells_what_is_compared():
