@@ -224,8 +224,8 @@ def document(judged: Sequence[Judged]) -> str:
         [
             "# Recorded flights",
             "",
-            f"{'. '.join(titles(judged))}. `python -m evidence real_flights` flies {len(judged)} of them, {hours:.0f} h, "
-            "and writes this page. The recordings are not part of the project ([tracks](tracks.md)). "
+            f"{'. '.join(titles(judged))}. `python -m evidence real_flights` flies {len(judged)} of them, "
+            f"{hours:.0f} h, and writes this page. The recordings are not part of the project ([tracks](tracks.md)). "
             f"{EXPLAINED}",
             "",
             "![Normalised squared errors of attitude and position on recorded flights](recorded_flights.png)",
