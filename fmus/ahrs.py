@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.grades import GRADES, ahrs_parameters
+from fmus.grades import ahrs_parameters
 from models import ahrs, attitude, earth, kalman
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, start
 
-_DEFAULT = ahrs_parameters(GRADES["automotive"])
+_DEFAULT = ahrs_parameters("automotive")
 
 
 class Ahrs(Component):
@@ -209,7 +209,7 @@ class Ahrs(Component):
     air_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which air data are lost")
     field_sigma = Parameter(
         "1",
-        start=0.02,
+        start=_DEFAULT["field_sigma"],
         min=1.0e-6,
         description="error of each component of the direction of a field sample: noise of 1 to 5 mG (thesis Table "
         "3.3), soft iron",

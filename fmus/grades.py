@@ -17,8 +17,6 @@ Mounting, all grades but tactical: some 0.25 degrees in a light aircraft (own ch
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from models.earth import STANDARD_GRAVITY as G
@@ -92,13 +90,19 @@ CHART = 0.3 * DEG
 """Change of the declination along a flight of an hour or two, at a dip of 60 degrees."""
 
 
-def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
-    """Parameters of ``ahrs`` for an IMU with these, and for :data:`MAGNETOMETER` and :data:`AIR_DATA`.
+FIELD_SIGMA = {"tactical": 0.05, "automotive": 0.02, "consumer": 0.02}
+"""Error of a field sample that ``ahrs`` assumes, by grade of the gyros. Noise is 1 %, soft iron does not average out
+while the heading stays: the better the gyros, the longer the filter averages, and the less it may trust a sample."""
+
+
+def ahrs_parameters(grade: str) -> dict[str, float]:
+    """Parameters of ``ahrs`` for an IMU of a grade, and for :data:`MAGNETOMETER` and :data:`AIR_DATA`.
 
     A level that is wrong by a constant tilts the field, which in level flight cannot be told from hard iron: so the
     hard iron that the filter looks for has the errors of the level and of mounting, too. Soft iron turns the needle on
     all headings alike by half the difference of its two horizontal cross elements.
     """
+    imu = GRADES[grade]
     level = np.hypot(imu["accelerometer_null_shift_sigma"], imu["accelerometer_drift_sigma"]) / G
     level = float(np.hypot(level, imu["misalignment_sigma"]))
     soft, mounting = MAGNETOMETER["soft_iron_sigma"], MAGNETOMETER["misalignment_sigma"]
@@ -112,6 +116,7 @@ def ahrs_parameters(imu: Mapping[str, float]) -> dict[str, float]:
         "level_sigma": level,
         "declination_sigma": CHART,
         "mounting_sigma": float(np.hypot(mounting, soft / np.sqrt(2.0))),
+        "field_sigma": FIELD_SIGMA[grade],
         "hard_iron_sigma": float(np.linalg.norm(iron)),
         "airspeed_sigma": AIR_DATA["airspeed_error_sigma"],
     }

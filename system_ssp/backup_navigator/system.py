@@ -52,7 +52,7 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
         system.parameters("aircraft", FLIGHT_PLANS["livermore"].parameters())
     use_stations(system.parameters, "thesis_like")
     system.parameters("imu", GRADES[BASE_GRADE], name=f"imu_{BASE_GRADE}")
-    system.parameters("ahrs", ahrs_parameters(GRADES[BASE_GRADE]), name=f"ahrs_{BASE_GRADE}")
+    system.parameters("ahrs", ahrs_parameters(BASE_GRADE), name=f"ahrs_{BASE_GRADE}")
     add_variants(system)
     for file in sorted((HERE / "faults").glob("*.toml")):
         system.attach(f"faults/{file.name}", file)
@@ -112,7 +112,7 @@ def add_variants(system: SystemSource) -> None:
         name = f"imu_{grade}"
         system.variant(
             name,
-            parameters={"imu": GRADES[grade], "ahrs": ahrs_parameters(GRADES[grade])},
+            parameters={"imu": GRADES[grade], "ahrs": ahrs_parameters(grade)},
             sets={"imu": name, "ahrs": f"ahrs_{grade}"},
             description=f"{grade} grade IMU, thesis Table 3.2",
         )

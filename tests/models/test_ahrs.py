@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fmus.ahrs import Ahrs
+from fmus.grades import GRADES, ahrs_parameters
 from models import ahrs, attitude, earth, kalman
 from models.flight_plan import FlightPlan, straight, turn
 from tests.models.native import Native, interpret
@@ -238,6 +239,20 @@ def test_an_airspeed_that_is_back_has_an_error_of_its_own():
     wanted[10, :] = wanted[:, 10] = 0.0
     wanted[10, 10] = 4.0
     np.testing.assert_array_equal(got, wanted)
+
+
+def test_a_grade_tells_the_ahrs_what_its_imu_has():
+    """All of it parameters of the component; what is drawn at turn-on is in the sigmas; and no gyro, however good, is
+    believed to better than the part of Earth's rate that it sees."""
+    told = {grade: ahrs_parameters(grade) for grade in GRADES}
+    for grade, imu in GRADES.items():
+        assert set(told[grade]) <= set(Ahrs.layout.fields)
+        assert told[grade]["level_sigma"] >= imu["accelerometer_null_shift_sigma"] / G
+        assert told[grade]["gyro_null_shift_sigma"] == imu["gyro_null_shift_sigma"]
+        assert told[grade]["gyro_drift_sigma"] >= max(imu["gyro_drift_sigma"], np.radians(9.0) / 3600.0)
+    assert told["consumer"]["level_sigma"] == pytest.approx(2.0 * told["automotive"]["level_sigma"])
+    start = interpret(Ahrs)
+    assert all(start.get(name) == value for name, value in told["automotive"].items())
 
 
 # --- closed forms ----------------------------------------------------------------------------------------------------
