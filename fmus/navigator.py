@@ -54,7 +54,8 @@ class Navigator(stations.StationTable, Component):
     news, 1 - exp(-dt / tau) with the time tau of the bias, and those of all stations whose last range was refused
     add up. When they reach `patience`, either these stations or the filter are wrong. The stations are, if they are
     fewer than those whose ranges are used and these cross well (dilution at most `dilution_limit`); and so is a
-    single one, whatever the others, whose range jumped at once by more than the aircraft can have gone astray since
+    single one, whatever the others, that was refused when its range jumped by more than bias and aircraft can have
+    changed since it was last heard: it is not used until it jumps again or GPS is back
     (`astray`). Otherwise dead reckoning is: `doubted` stays true until GPS is back, position gets the variance of the
     refused innovation, and the air velocity counts as little as if it were missing, but keeps its correlation times.
 
@@ -263,6 +264,7 @@ class Navigator(stations.StationTable, Component):
     range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
     refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
     refusals = State(PLACES, "1", description="ranges refused in a row, counted as far as they are news")
+    innovation = State(PLACES, "m", description="each station's last range less what was predicted, taken or not")
     astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
 
     def error_model(self, speed, seen):
@@ -407,9 +409,14 @@ class Navigator(stations.StationTable, Component):
         wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
         measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
         innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
-        predicted, curvature = navigator.range_variances(self.covariance, north, east, distance)
-        variance = self.noise_sigma**2 + curvature
-        spread = predicted + variance
+        # a station whose range jumps, in the time since it was last heard, further than the aircraft and its bias can
+        since = moment - np.maximum(self.range_time, self.refused_time)
+        news = navigator.news(since, self.correlation_distance / np.maximum(self.last_speed, 1.0))
+        reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + self.last_speed * since
+        jumped = measured & (np.abs(innovation - self.innovation) > reach)
+        astray = self.astray & np.logical_not(jumped)
+
+        variance = self.noise_sigma**2 + navigator.curvature(self.covariance, north, east, distance)
         correction, covariance, taken = navigator.range_updates(
             np.zeros(STATES),
             self.covariance,
@@ -417,7 +424,7 @@ class Navigator(stations.StationTable, Component):
             east,
             innovation,
             variance,
-            measured,
+            measured & np.logical_not(astray),
             self.innovation_gate,
         )
         refused = np.logical_and(measured, np.logical_not(taken))
@@ -425,12 +432,9 @@ class Navigator(stations.StationTable, Component):
         self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
         self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
 
-        reach = self.innovation_gate * np.sqrt(spread) + self.last_speed * (moment - self.range_time)
-        jumped = refused & (self.refusals == 0.0) & (np.abs(innovation) > reach)
-        self.astray = np.logical_or(self.astray, jumped) & np.logical_not(taken)
-        time_constant = self.correlation_distance / np.maximum(self.last_speed, 1.0)
-        since = moment - np.maximum(self.range_time, self.refused_time)
-        refusals = self.refusals + np.where(refused, navigator.news(since, time_constant), 0.0)
+        self.astray = astray | (jumped & refused & (self.refusals == 0.0))
+        self.innovation = np.where(measured, innovation, self.innovation)
+        refusals = self.refusals + np.where(refused, news, 0.0)
         self.refusals = np.where(taken, 0.0, refusals)
         self.range_time = np.where(taken, moment, self.range_time)
         self.refused_time = np.where(refused, moment, self.refused_time)

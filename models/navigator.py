@@ -138,22 +138,17 @@ def _rows_of(upper):
     return row
 
 
-def range_variances(upper, north, east, distance):
-    """What the covariance says of the ranges to stations at ``distance`` m: variance of the predicted ranges, biases
-    included, and of what their curvature adds, m^2.
+def curvature(upper, north, east, distance):
+    """Variance that the curvature of ranges to stations at ``distance`` m adds to them, m^2.
 
     The second derivative of a range is 1 / distance across the line of sight. Where the position is uncertain by
     kilometres the linear rows of H would claim more than is known; half the square of (variance across / distance) is
-    the variance of the second-order term of a normal error (Gelb, Applied Optimal Estimation, 1974, (6.1-30)).
+    the variance of the second-order term of a normal error (Gelb, Applied Optimal Estimation, 1974, section 6.1).
     """
-    states = kalman.order(upper)
     covariance = kalman.unpack(upper)
-    bias = np.arange(2 + VELOCITIES, states)
     nn, ne, ee = covariance[0, 0], covariance[0, 1], covariance[1, 1]
-    along = north * north * nn + 2.0 * north * east * ne + east * east * ee
     across = east * east * nn - 2.0 * north * east * ne + north * north * ee
-    shared = 2.0 * (north * covariance[0, bias] + east * covariance[1, bias])
-    return along + shared + covariance[bias, bias], 0.5 * (across / np.maximum(distance, 1.0)) ** 2
+    return 0.5 * (across / np.maximum(distance, 1.0)) ** 2
 
 
 def range_updates(correction, upper, north, east, residual, variance, measured, gate):
