@@ -368,10 +368,10 @@ class Ahrs(Component):
             airspeed_sigma**2 * (1.0 - decay * decay),
             self.period,
         )
-        moved = ahrs.propagate(
+        moved = kalman.propagate(
             ahrs.renewed(self.covariance, airspeed_sigma**2, back),
             ahrs.dynamics(angles[0], angles[1], rate, self.period),
-            decay,
+            np.concatenate([np.ones(ahrs.AIRSPEED - ahrs.MOVING), np.reshape(decay, (1,))]),
             noise,
         )
         covariance = np.where(align, initial, moved)
@@ -400,7 +400,6 @@ class Ahrs(Component):
             levels.append(np.where(ended & (number > 0.5), after, noise_level))
             totals.append(total)
             numbers.append(number)
-
             means.append(sigma * total / np.maximum(number, 1.0))
         window = self.window_time + self.period
         wrong = ahrs.lost(np.stack(means), turned / window, self.doubt_angle, self.doubt_rate)

@@ -148,27 +148,6 @@ def initial_covariance(tilt, gyro, dip, iron, airspeed):
     return kalman.of_variances(np.stack([tilt, tilt, one, gyro, gyro, gyro, dip, iron, iron, iron, airspeed]) ** 2)
 
 
-def propagate(upper, rows, decay, noise):
-    """P[k+1] = Phi P Phi' + C_d, (4.46), where only the angles move: ``rows`` of :func:`dynamics`.
-
-    ``decay`` is that of the last state, the airspeed's error; ``noise`` the diagonal of C_d. The product of the full
-    matrices would take six times as many operations.
-    """
-    covariance = kalman.unpack(upper)
-    driving = np.shape(rows)[-1]
-    moved = rows @ covariance[:driving]  # rows of Phi P
-    corner = moved[:, :driving] @ rows.T
-    side = moved[:, MOVING:]
-    whole = np.concatenate(
-        [
-            np.concatenate([corner, side], axis=1),
-            np.concatenate([side.T, covariance[MOVING:, MOVING:]], axis=1),
-        ]
-    )
-    decays = np.concatenate([np.ones(STATES - 1), np.reshape(decay, (1,))])
-    return kalman.pack(whole * decays[:, None] * decays[None, :]) + kalman.of_variances(noise)
-
-
 def process_noise(angle_density, scale, rate, drift, drift_time, dip_walk, airspeed_variance, time):
     """Diagonal of C_d over ``time`` s: (4.39)-(4.44).
 

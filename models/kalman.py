@@ -49,10 +49,30 @@ def of_variances(variances):
     return pack(np.diag(variances))
 
 
-def propagate(upper, transition, noise):
-    """P[k+1] = Phi P Phi' + C_d, thesis (4.46), (6.31); ``noise`` is C_d, packed."""
+def propagate(upper, rows, factor, noise):
+    """P[k+1] = Phi P Phi' + C_d, thesis (4.46), (6.31), where only the first states are driven by others.
+
+    Parameters
+    ----------
+    upper
+        Packed covariance of n states.
+    rows
+        The first m rows of Phi, by the first k states: shape (m, k). The product of full matrices would take several
+        times as many operations.
+    factor
+        What each of the other n - m states is multiplied by: 1 for one that holds its value.
+    noise
+        Diagonal of C_d, n elements.
+    """
     covariance = unpack(upper)
-    return pack(transition @ covariance @ np.swapaxes(transition, -1, -2)) + noise
+    driven, driving = np.shape(rows)[-2:]
+    moved = rows @ covariance[..., :driving, :]
+    corner = moved[..., :driving] @ np.swapaxes(rows, -1, -2)
+    side = moved[..., driven:] * factor[..., None, :]
+    rest = covariance[..., driven:, driven:] * factor[..., :, None] * factor[..., None, :]
+    above = np.concatenate([corner, side], axis=-1)
+    below = np.concatenate([np.swapaxes(side, -1, -2), rest], axis=-1)
+    return pack(np.concatenate([above, below], axis=-2) + noise[..., None] * np.eye(np.shape(noise)[-1]))
 
 
 def update(correction, upper, row, variance, residual, use=True, gate=0.0):

@@ -168,17 +168,6 @@ def test_tilt_rows_are_the_derivatives_of_the_specific_force():
     np.testing.assert_allclose(residuals, force[[1, 0]] / G - expected(x), atol=1e-14)
 
 
-def test_the_time_update_is_phi_p_phi_with_the_other_states_held():
-    rng = np.random.default_rng(5)
-    root = rng.standard_normal((11, 14))
-    p, rows, noise = root @ root.T, rng.standard_normal((3, 6)), rng.uniform(0.1, 1.0, 11)
-    phi = np.eye(11)
-    phi[:3, :6] = rows
-    phi[10, 10] = 0.7
-    got = kalman.unpack(ahrs.propagate(kalman.pack(p), rows, 0.7, noise))
-    np.testing.assert_allclose(got, phi @ p @ phi.T + np.diag(noise), rtol=1e-12, atol=1e-12)
-
-
 @pytest.mark.parametrize("colour", [0.0, 0.6, 0.9])
 def test_the_learned_level_is_the_density_at_low_frequency(colour):
     """Noise x = (1 - c) sum of c^k white has the density of the white noise at zero frequency, but (1-c)/(1+c) of its

@@ -22,10 +22,14 @@ def test_packing_keeps_the_matrix(n):
 
 
 def test_time_update_is_phi_p_phi():
+    """Two filters at once; the first three of seven states are driven by the first five, the others by themselves."""
     rng = np.random.default_rng(5)
-    p, phi, q = covariance(rng, 6), rng.standard_normal((6, 6)), covariance(rng, 6)
-    result = kalman.unpack(kalman.propagate(kalman.pack(p), phi, kalman.pack(q)))
-    np.testing.assert_allclose(result, phi @ p @ phi.T + q, rtol=1e-13, atol=1e-12)
+    p = np.stack([covariance(rng, 7), covariance(rng, 7)])
+    rows, factor, noise = rng.standard_normal((3, 5)), rng.standard_normal(4), rng.uniform(0.1, 1.0, 7)
+    phi = np.diag(np.concatenate([np.zeros(3), factor]))
+    phi[:3, :5] = rows
+    result = kalman.unpack(kalman.propagate(kalman.pack(p), rows, factor, noise))
+    np.testing.assert_allclose(result, phi @ p @ phi.T + np.diag(noise), rtol=1e-13, atol=1e-12)
 
 
 def test_sequential_updates_equal_the_matrix_update():
