@@ -378,46 +378,36 @@ class Ahrs(Component):
         airspeed_error = decay * airspeed_error
 
         # measurement update: tilt
-        correction = np.zeros(ahrs.STATES)
         sigma = np.where(fresh, self.tilt_sigma, self.blind_tilt_sigma)
         residuals = self.tilt_sum / count - np.stack([0.0, speeding / earth.STANDARD_GRAVITY])
         rows = ahrs.tilt_rows(airspeed, rate[2], angles[0], angles[1])
-        felt_again = felt & self.aligned
-        uses = felt_again, felt_again & (np.logical_not(fresh) | (self.had_air & changed))
-        floor = (self.tilt_sigma_min / self.tilt_sigma) ** 2
-        turned = self.turn_sum + np.abs(rate[2]) * self.period
-        ended = self.window_time + self.period >= self.tilt_window - 1.0e-6
-        levels, totals, numbers, means = [], [], [], []
-        for axis, use in enumerate(uses):
-            innovation = (residuals[axis] - np.sum(rows[axis] * correction)) / sigma
-            total = self.innovation_sum[axis] + np.where(use, innovation, 0.0)
-            number = self.innovation_count[axis] + np.where(use, 1.0, 0.0)
-            noise_level = ahrs.raised(self.tilt_level[axis], total, number, self.tilt_limit)
-            correction, covariance, _ = kalman.update(
-                correction, covariance, rows[axis], noise_level * sigma**2, residuals[axis], use
-            )
-            after = ahrs.learned(noise_level, total, number, self.tilt_window / self.tilt_time, floor)
-            levels.append(np.where(ended & (number > 0.5), after, noise_level))
-            totals.append(total)
-            numbers.append(number)
-            means.append(sigma * total / np.maximum(number, 1.0))
-        window = self.window_time + self.period
-        wrong = ahrs.lost(np.stack(means), turned / window, self.doubt_angle, self.doubt_rate)
+        use = felt & self.aligned
+        uses = use, use & (np.logical_not(fresh) | (self.had_air & changed))
+        learning = np.stack([self.tilt_level, self.innovation_sum, self.innovation_count])
+        correction, covariance, learning = ahrs.tilt_updates(
+            covariance, rows, residuals, sigma, uses, learning, self.tilt_limit
+        )
 
         # measurement update: field
-        then = angles[2] - attitude.euler_rates(rate, angles[0], angles[1])[2] * (
-            self.time - self.field.time_of_validity
-        )
+        heading_rate = attitude.euler_rates(rate, angles[0], angles[1])[2]
+        then = angles[2] - heading_rate * (self.time - self.field.time_of_validity)
         expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.declination, self.hard_iron)
-        for axis in range(3):
-            correction, covariance, _ = kalman.update(
-                correction, covariance, rows[axis], self.field_sigma**2, direction[axis] - expected[axis], new_field
-            )
+        correction, covariance = ahrs.field_updates(
+            correction, covariance, rows, direction - expected, self.field_sigma**2, new_field
+        )
+
+        # end of the window
+        window = self.window_time + self.period
+        turned = self.turn_sum + np.abs(rate[2]) * self.period
+        ended = window >= self.tilt_window - 1.0e-6
+        floor = (self.tilt_sigma_min / self.tilt_sigma) ** 2
+        levels = np.where(ended, ahrs.learned(learning, self.tilt_window / self.tilt_time, floor), learning[0])
+        lost = ended & fresh & ahrs.lost(learning, sigma, turned / window, self.doubt_angle, self.doubt_rate)
 
         roll, pitch, heading, dip, over, under = ahrs.upright(*(angles + correction[:3]), dip + correction[ahrs.DIP])
         covariance = ahrs.mirrored(ahrs.mirrored(covariance, over, ahrs.PITCH), under, ahrs.DIP)
         running = np.logical_or(self.aligned, align)
-        begin = np.logical_not(running) | (ended & fresh & wrong) | np.logical_not(ahrs.sound(covariance))
+        begin = np.logical_not(running) | lost | np.logical_not(ahrs.sound(covariance))
         self.aligned = np.logical_not(begin)
         self.angles = np.where(begin, self.angles, np.stack([attitude.wrap(roll), pitch, attitude.wrap(heading)]))
         self.covariance = np.where(begin, 0.0, covariance)
@@ -428,12 +418,12 @@ class Ahrs(Component):
         self.airspeed_error = np.where(begin, 0.0, airspeed_error + correction[ahrs.AIRSPEED])
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
 
-        fresh_window = ended | begin
-        self.tilt_level = np.where(begin, 1.0, np.stack(levels))
-        self.innovation_sum = np.where(fresh_window, 0.0, np.stack(totals))
-        self.innovation_count = np.where(fresh_window, 0.0, np.stack(numbers))
-        self.turn_sum = np.where(fresh_window, 0.0, turned)
-        self.window_time = np.where(fresh_window, 0.0, window)
+        over_again = ended | begin
+        self.tilt_level = np.where(begin, 1.0, levels)
+        self.innovation_sum = np.where(over_again, 0.0, learning[1])
+        self.innovation_count = np.where(over_again, 0.0, learning[2])
+        self.turn_sum = np.where(over_again, 0.0, turned)
+        self.window_time = np.where(over_again, 0.0, window)
         kept = fresh & self.had_air & np.logical_not(changed)
         self.tilt_sum = np.stack([0.0, np.where(kept, self.tilt_sum[1], 0.0)])
         self.sample_count = np.stack([0.0, np.where(kept, self.sample_count[1], 0.0)])

@@ -81,6 +81,46 @@ def tilt_rows(airspeed, yaw_rate, roll, pitch):
     )
 
 
+def tilt_updates(upper, rows, residuals, sigma, uses, learning, limit):
+    """Take the two tilt residuals, lateral and longitudinal, at the noise level that is learned.
+
+    Parameters
+    ----------
+    rows, residuals, uses
+        Of each: H, the residual in rad, whether there is one.
+    sigma
+        Noise of level 1, rad.
+    learning
+        Noise levels (variances over ``sigma`` squared), sums and numbers of innovations in this window, shape (3, 2).
+    limit
+        Of :func:`raised`.
+
+    Returns
+    -------
+    Correction of the states (1), packed covariance, and ``learning`` with these two.
+    """
+    correction = np.zeros(STATES)
+    after = []
+    for axis, use in enumerate(uses):
+        level_, total, count = learning[:, axis]
+        innovation = (residuals[axis] - np.sum(rows[axis] * correction)) / sigma
+        total = total + np.where(use, innovation, 0.0)
+        count = count + np.where(use, 1.0, 0.0)
+        level_ = raised(level_, total, count, limit)
+        correction, upper, _ = kalman.update(
+            correction, upper, rows[axis], level_ * sigma * sigma, residuals[axis], use
+        )
+        after.append(np.stack([level_, total, count]))
+    return correction, upper, np.stack(after, axis=1)
+
+
+def field_updates(correction, upper, rows, residuals, variance, use):
+    """Take the three residuals of the direction of the field."""
+    for axis in range(3):
+        correction, upper, _ = kalman.update(correction, upper, rows[axis], variance, residuals[axis], use)
+    return correction, upper
+
+
 def raised(level_, total, count, limit):
     """Noise level at which the sum of ``count`` white innovations of unit level is at most ``limit`` sigma.
 
@@ -89,14 +129,16 @@ def raised(level_, total, count, limit):
     return np.maximum(level_, total * total / (np.maximum(count, 1.0) * limit * limit))
 
 
-def learned(level_, total, count, gain, floor):
-    """Noise level (a variance) after a window of innovations, matched to their covariance (Mehra, *IEEE Trans. Autom.
-    Control* AC-17, 1972, p. 693).
+def learned(learning, gain, floor):
+    """Noise levels after a window of innovations, matched to their covariance (Mehra, *IEEE Trans. Autom. Control*
+    AC-17, 1972, p. 693); ``learning`` as in :func:`tilt_updates`.
 
-    The square of their *sum* over their count is the variance of the white noise with the same density at low
+    The square of their *sum* over their number is the variance of the white noise with the same density at low
     frequencies, however coloured it is within the window; that is what the slow states of the filter feel.
     """
-    return np.maximum(level_ + gain * (total * total / np.maximum(count, 1.0) - level_), floor)
+    level_, total, count = learning
+    seen = total * total / np.maximum(count, 1.0)
+    return np.where(count > 0.5, np.maximum(level_ + gain * (seen - level_), floor), level_)
 
 
 def levelled_heading(field_b, roll, pitch):
@@ -223,13 +265,14 @@ def mirrored(upper, over, state):
     return np.where(over, upper * kalman.pack(np.outer(signs, signs)), upper)
 
 
-def lost(mean_tilts, turn_rate, tilt_limit, turn_limit):
+def lost(learning, sigma, turn_rate, tilt_limit, turn_limit):
     """Whether the attitude is not that of the aircraft: in a window of straight flight the level is off by far.
 
-    In a turn a wrong airspeed makes the same misfit. ``mean_tilts`` (rad) are the means of the innovations over the
-    window, ``turn_rate`` (rad/s) that of the size of the yaw rate; the limits belong to them.
+    In a turn a wrong airspeed makes the same misfit. ``learning`` and ``sigma`` as in :func:`tilt_updates`;
+    ``turn_rate`` (rad/s) is the mean size of the yaw rate; the limits are those of the mean innovation (rad) and of it.
     """
-    return np.logical_and(np.max(np.abs(mean_tilts)) > tilt_limit, turn_rate < turn_limit)
+    mean = sigma * np.abs(learning[1]) / np.maximum(learning[2], 1.0)
+    return np.logical_and(np.max(mean) > tilt_limit, turn_rate < turn_limit)
 
 
 def sound(upper):

@@ -184,7 +184,7 @@ def test_the_learned_level_is_the_density_at_low_frequency(colour):
     sums = np.sum(np.reshape(x, (400, 60)), axis=1)
     level = 1.0
     for k, total in enumerate(sums):
-        level = ahrs.learned(level, total, 60.0, 1.0 / (k + 1.0), 0.0)
+        level = ahrs.learned((level, total, 60.0), 1.0 / (k + 1.0), 0.0)
     lost = 2.0 * colour / (1.0 - colour**2) / 60.0
     assert 1.0 - lost - 3 * 0.07 < level < 1.0 + 3 * 0.07
 
@@ -193,7 +193,8 @@ def test_an_innovation_that_does_not_fit_raises_the_level_to_where_it_is_three_s
     assert ahrs.raised(1.0, 2.9, 1.0, 3.0) == 1.0
     assert ahrs.raised(1.0, 6.0, 1.0, 3.0) == pytest.approx(4.0)
     assert ahrs.raised(1.0, 6.0, 4.0, 3.0) == 1.0  # the sum of four has twice the sigma
-    assert ahrs.learned(1.0, 0.0, 9.0, 1.0, 0.25) == 0.25
+    assert ahrs.learned((1.0, 0.0, 9.0), 1.0, 0.25) == 0.25
+    assert ahrs.learned((1.0, 0.0, 0.0), 1.0, 0.25) == 1.0  # nothing was seen
 
 
 @pytest.mark.parametrize(("pitch", "dip"), [(10.0, 100.0), (95.0, 60.0), (-100.0, -91.0), (30.0, -60.0)])
