@@ -116,7 +116,7 @@ def test_headline_holds_on_flights_as_claimed():
          ("Dead reckoning drifts away, DME ranges do not bound it", "95 % do not stay within 0.5 nmi"),
          "Not at every time half of the flights are within 500 m, scanning receiver"),
         ({"scanning": flights(400.0, sigma=10.0)}, None,
-         "Not every flight is inside its filter's own 3 sigma for 95 % of the time, scanning receiver"),
+         "Not at every time 95 % of the flights are inside their filter's own 3 sigma, scanning receiver"),
         ({"r_as_printed": flights(400.0)}, None, "more than 10 % of the samples are inside 3 sigma"),
     ],
 )  # fmt: skip
