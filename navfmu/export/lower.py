@@ -123,6 +123,7 @@ def _checks(layout: Layout) -> list[ir.Check]:
     checks = []
     for number, requirement in enumerate(layout.requirements):
         frame = TraceFrame(layout)
+        frame.period = frame.time  # neither is there when a requirement is looked at
         component = layout.component(frame)
         holds = _run(layout, f"requirement {number + 1}", requirement.place, requirement.function, component)
         wrong = [n for n in frame.current if layout.fields[n].causality != "parameter"]
@@ -132,7 +133,7 @@ def _checks(layout: Layout) -> list[ir.Check]:
             layout.fail("a requirement must be one truth value; use np.all", requirement.place)
         names = tuple((name, layout.index(name)) for name in requirement.names)
         (result,) = trace.expressions(holds)
-        for vector, what in (("clock", "time"), ("rows", "a table")):
+        for vector, what in (("time", "time"), ("rows", "a table")):
             if any(elements_used((result,), vector)):
                 layout.fail(f"a requirement is over parameters, and this one is over {what}", requirement.place)
         checks.append(ir.Check(result, requirement.message, names))

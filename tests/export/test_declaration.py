@@ -434,7 +434,7 @@ def test_requirements_are_over_parameters():
     refused(lambda: lower(Wrong), "'u'")
 
 
-@pytest.mark.parametrize("what", ["time", "a table"])
+@pytest.mark.parametrize("what", ["time", "period", "a table"])
 def test_requirements_see_neither_time_nor_tables(what):
     """C looked at them with a time of 0 and rows of zeros, and the interpreter with those of the start."""
 
@@ -446,9 +446,9 @@ def test_requirements_see_neither_time_nor_tables(what):
 
         @require("limit {limit} s")
         def check(self):
-            return self.limit > (self.time if what == "time" else self.track.row[0])
+            return self.limit > {"time": self.time, "period": self.period, "a table": self.track.row[0]}[what]
 
-    refused(lambda: lower(Late), "a requirement is over parameters", f"over {what}")
+    refused(lambda: lower(Late), "a requirement is over parameters", f"over {what.replace('period', 'time')}")
 
 
 def test_a_task_may_use_start_twice():
