@@ -37,9 +37,10 @@ class Ahrs(Component):
     *Without air data* (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first
     `airspeed`, its error grows to `blind_airspeed_sigma`, and the tilt has `blind_tilt_sigma`: all sigmas are wider.
 
-    *Hard iron and dip* are told apart from heading and tilt as the aircraft turns. What no measurement here can see,
-    because it stands still in the aircraft or in the chart, is added to the published sigmas: `level_sigma`,
-    `mounting_sigma`, `declination_sigma`.
+    *Hard iron and dip* are told apart from heading and tilt as the aircraft turns. A field that jumps, so
+    that the sum of its innovations is beyond `field_limit` sigma, is taken for a change of the hard iron. What no
+    measurement here can see, because it stands still in the aircraft or in the chart, is added to the published sigmas:
+    `level_sigma`, `mounting_sigma`, `declination_sigma`.
 
     Covariance and gains are computed, P+ = Phi P Phi' + C_d (4.46), L = P H' (H P H' + R)^-1 (4.50, corrected); they
     are not scheduled. Phi has the derivatives by roll and pitch, which (4.34) sets to zero. Biases are random walks of
@@ -214,6 +215,12 @@ class Ahrs(Component):
         description="error of each component of the direction of a field sample: noise of 1 to 5 mG (thesis Table "
         "3.3), soft iron",
     )
+    field_limit = Parameter(
+        "1",
+        start=4.0,
+        min=1.0,
+        description="sigmas beyond which a sum of innovations says that the hard iron has changed",
+    )
     hard_iron_sigma = Parameter(
         "1",
         start=_DEFAULT["hard_iron_sigma"],
@@ -280,6 +287,7 @@ class Ahrs(Component):
     tilt_level = State(2, "1", start=1.0, description="learned variance of the tilt over that of tilt_sigma")
     innovation_sum = State(2, "1", description="sum of innovations over their sigma in this window")
     innovation_count = State(2, "1", description="number of innovations in this window")
+    field_misfit = State(4, "1", description="sums of innovations of the field over their sigma, and their number")
     turn_sum = State("rad", description="integral of the size of the yaw rate in this window")
     window_time = State("s", description="time since this window began")
     field_seen = State(kind="integer", description="sequence number of the last field used")
@@ -392,8 +400,15 @@ class Ahrs(Component):
         heading_rate = attitude.euler_rates(rate, angles[0], angles[1])[2]
         then = angles[2] - heading_rate * (self.time - self.field.time_of_validity)
         expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.declination, self.hard_iron)
-        correction, covariance = ahrs.field_updates(
-            correction, covariance, rows, direction - expected, self.field_sigma**2, new_field
+        correction, covariance, misfit = ahrs.field_updates(
+            correction,
+            covariance,
+            rows,
+            direction - expected,
+            self.field_sigma**2,
+            new_field,
+            self.field_misfit,
+            self.field_limit,
         )
 
         # end of the window
@@ -414,7 +429,7 @@ class Ahrs(Component):
         self.dip = np.where(begin, 0.0, dip)
         self.gyro_bias = np.where(begin, np.zeros(3), self.gyro_bias + correction[3:6])
         self.rate = np.where(begin, self.imu.rate, self.rate - correction[3:6])
-        self.hard_iron = np.where(begin, np.zeros(3), self.hard_iron + correction[7:10])
+        self.hard_iron = np.where(begin, np.zeros(3), self.hard_iron + correction[ahrs.IRON])
         self.airspeed_error = np.where(begin, 0.0, airspeed_error + correction[ahrs.AIRSPEED])
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
 
@@ -422,6 +437,7 @@ class Ahrs(Component):
         self.tilt_level = np.where(begin, 1.0, levels)
         self.innovation_sum = np.where(over_again, 0.0, learning[1])
         self.innovation_count = np.where(over_again, 0.0, learning[2])
+        self.field_misfit = np.where(over_again, 0.0, misfit)
         self.turn_sum = np.where(over_again, 0.0, turned)
         self.window_time = np.where(over_again, 0.0, window)
         kept = fresh & self.had_air & np.logical_not(changed)

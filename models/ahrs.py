@@ -41,7 +41,7 @@ from models import attitude, earth, kalman
 STATES = 11
 MOVING = 3
 """The first states, the angles, are driven by all; the others hold their values."""
-PITCH, DIP, AIRSPEED = 1, 6, 10
+PITCH, DIP, IRON, AIRSPEED = 1, 6, slice(7, 10), 10
 TURN_TIME = 60.0
 """Time for which a turn lasts, s: as long a scale factor error of a gyro acts in one direction (own choice)."""
 
@@ -114,11 +114,37 @@ def tilt_updates(upper, rows, residuals, sigma, uses, learning, limit):
     return correction, upper, np.stack(after, axis=1)
 
 
-def field_updates(correction, upper, rows, residuals, variance, use):
-    """Take the three residuals of the direction of the field."""
+def field_updates(correction, upper, rows, residuals, variance, use, misfit, limit):
+    """Take the three residuals of the direction of the field.
+
+    Innovations whose sum is beyond ``limit`` sigma are evidence that the hard iron has changed (a current on board,
+    cargo), because nothing else jumps: its variance is raised by the square of that sum over their number, and so the
+    iron takes the jump, not the heading.
+
+    Parameters
+    ----------
+    misfit
+        Sums of the innovations over their sigma in this window, and their number: 4 elements.
+
+    Returns
+    -------
+    Correction, packed covariance, and ``misfit`` with these three, or anew after a jump.
+    """
+    iron = np.zeros(STATES)
+    iron[IRON] = 1.0
+    count = misfit[3] + np.where(use, 1.0, 0.0)
+    totals, changed = [], False
     for axis in range(3):
+        innovation = residuals[axis] - np.sum(rows[axis] * correction)
+        spread = np.sum(rows[axis] * (kalman.unpack(upper) @ rows[axis])) + variance
+        total = misfit[axis] + np.where(use, innovation / np.sqrt(spread), 0.0)
+        square = total * total / np.maximum(count, 1.0)
+        jumped = np.logical_and(use, square > limit * limit)
+        upper = upper + kalman.of_variances(iron * np.where(jumped, square * spread, 0.0))
         correction, upper, _ = kalman.update(correction, upper, rows[axis], variance, residuals[axis], use)
-    return correction, upper
+        totals.append(total)
+        changed = np.logical_or(changed, jumped)
+    return correction, upper, np.where(changed, 0.0, np.stack([*totals, count]))
 
 
 def raised(level_, total, count, limit):

@@ -68,7 +68,7 @@ class Reference:
         self.indicated_then, self.air_time_then = 0.0, 0.0
         self.last_rate, self.last_force, self.imu_time = np.zeros(3), np.array([0.0, 0.0, -G]), 0.0
         self.level = np.ones(2)
-        self.sums, self.counts, self.window = np.zeros(2), np.zeros(2), 0.0
+        self.sums, self.counts, self.window, self.misfit = np.zeros(2), np.zeros(2), 0.0, np.zeros(4)
         self.rates, self.forces, self.sideways, self.ahead = [], [], [], []
 
     def take_imu(self, rate, force, time):
@@ -117,7 +117,7 @@ class Reference:
                     seen = self.sums[axis] ** 2 / self.counts[axis]
                     gain = p["tilt_window"] / p["tilt_time"]
                     self.level[axis] = max(floor, (1 - gain) * self.level[axis] + gain * seen)
-            self.sums, self.counts, self.window = np.zeros(2), np.zeros(2), 0.0
+            self.sums, self.counts, self.window, self.misfit = np.zeros(2), np.zeros(2), 0.0, np.zeros(4)
         elif self.aligned:
             self.window += period
         if not (fresh and self.had_air and not changed):
@@ -180,8 +180,18 @@ class Reference:
         then[2] -= euler_rates(self.x, rate + self.x[3:6])[2] * (now - sample[1])
         rows = jacobian(lambda y: field(y, p["declination"]), then)
         residual = sample[0] / np.linalg.norm(sample[0]) - field(then, p["declination"])
-        for row, r in zip(rows, residual, strict=True):
+        self.misfit[3] += 1
+        jumped = False
+        for axis, (row, r) in enumerate(zip(rows, residual, strict=True)):
+            spread = row @ self.covariance @ row + p["field_sigma"] ** 2
+            self.misfit[axis] += (r - row @ correction) / np.sqrt(spread)
+            square = self.misfit[axis] ** 2 / self.misfit[3]
+            if square > p["field_limit"] ** 2:
+                self.covariance[7:10, 7:10] += square * spread * np.eye(3)
+                jumped = True
             correction = self.update(row, p["field_sigma"] ** 2, r, correction)
+        if jumped:
+            self.misfit[:] = 0.0
         return correction
 
     def sigmas(self):

@@ -311,6 +311,17 @@ def test_hard_iron_is_found_in_turns(native, flight):
     np.testing.assert_allclose(got["hard_iron"][-1][:2], iron[:2] / STRENGTH, atol=0.3 * 5e-7 / STRENGTH)
 
 
+def test_a_hard_iron_that_jumps_is_learned_and_leaves_the_heading(native, flight):
+    """40 mG more forward in straight flight at 220 s, which are 9.7 degrees at a horizontal field of 233 mG. A filter
+    whose hard iron is settled gives the jump to the heading and keeps its sigma."""
+    jump = np.where(flight["time"] > 220.0, 40e-7, 0.0) * np.array([1.0, 0.0, 0.0])[:, None]
+    got, error = fly(native, flight | {"field": flight["field"] + jump}, noise=np.radians(0.05))
+    assert np.max(np.abs(error["heading"][2200:])) < 9.7 / 3
+    for name in ANGLES:
+        assert np.mean(np.abs(error[name][2200:]) < 3 * np.degrees(got[f"attitude.{name}_sigma"][2200:])) > 0.95, name
+    assert got["hard_iron"][-1][0] == pytest.approx(40e-7 / STRENGTH, rel=0.2)
+
+
 def test_without_air_data_the_sigmas_are_wider_and_right(native, flight):
     """From 60 s on no air data: all errors of the analytic flight stay within three sigma, which are wider."""
     bias, noise = np.radians([0.05, 0.05, -0.05]), np.radians(0.05)
