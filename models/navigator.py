@@ -88,19 +88,9 @@ def propagate(upper, step, rows, factor, added, walk):
     walk
         Variance of the random walk of position on each axis, m^2.
     """
-    covariance = kalman.unpack(upper)
-    position, cross, errors = covariance[..., :2, :2], covariance[..., :2, 2:], covariance[..., 2:, 2:]
-    moved = cross + step * (rows @ errors[..., :VELOCITIES, :])
-    before, after = cross[..., :VELOCITIES], moved[..., :VELOCITIES]
-    position = position + step * (rows @ _transposed(before) + after @ _transposed(rows)) + walk * np.eye(2)
-    cross = moved * factor[..., None, :]
-    errors = errors * factor[..., :, None] * factor[..., None, :] + added[..., None] * np.eye(added.shape[-1])
-    upper_half = np.concatenate([position, cross], -1)
-    return kalman.pack(np.concatenate([upper_half, np.concatenate([_transposed(cross), errors], -1)], -2))
-
-
-def _transposed(matrix):
-    return np.swapaxes(matrix, -1, -2)
+    itself = np.broadcast_to(np.eye(2), (*np.shape(rows)[:-2], 2, 2))
+    noise = np.concatenate([np.stack([walk, walk]), added])
+    return kalman.propagate(upper, np.concatenate([itself, step * rows], -1), factor, noise)
 
 
 def fix_updates(correction, upper, position, velocity, rows, variances, use):
