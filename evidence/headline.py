@@ -156,7 +156,8 @@ def dilution() -> pd.Series:
 
 HEADINGS = (
     "navigator", "largest median at every minute, m", "largest 95th percentile, m", "runs above 926 m within 15 min, %",
-    "runs ever above 926 m, %", "time above 926 m, %", "predicted by the covariance, %", "inside own 3 sigma, %", "of the worst flight, %",
+    "runs ever above 926 m, %", "time above 926 m, %", "predicted by the covariance, %", "inside own 3 sigma, %",
+    "of the worst flight, %",
 )  # fmt: skip
 
 
