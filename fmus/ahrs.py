@@ -6,8 +6,8 @@ import numpy as np
 
 from fmus import examples
 from fmus.grades import ahrs_parameters
-from models import ahrs, attitude, earth, kalman
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, start
+from models import ahrs, attitude, earth, kalman, magnetic_field
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, require, start
 
 _DEFAULT = ahrs_parameters("automotive")
 
@@ -40,7 +40,12 @@ class Ahrs(Component):
     *Hard iron and dip* are told apart from heading and tilt as the aircraft turns. A field that jumps, so
     that the sum of its innovations is beyond `field_limit` sigma, is taken for a change of the hard iron. What no
     measurement here can see, because it stands still in the aircraft or in the chart, is added to the published sigmas:
-    `level_sigma`, `mounting_sigma`, `declination_sigma`.
+    `level_sigma`, `mounting_sigma`, and the error of the declination.
+
+    *Declination* (output `local_declination`) is that of the World Magnetic Model 2025 at `position`, every
+    `chart_period` while that is valid, and its error is the model's own. Without a position the last one stays, at
+    first the parameter `declination`, and its error is `declination_sigma`. When a position comes, heading, which is
+    known from magnetic north, turns by the difference at once.
 
     Covariance and gains are computed, P+ = Phi P Phi' + C_d (4.46), L = P H' (H P H' + R)^-1 (4.50, corrected); they
     are not scheduled. Phi has the derivatives by roll and pitch, which (4.34) sets to zero. Biases are random walks of
@@ -73,6 +78,12 @@ class Ahrs(Component):
     )
 
     air = Bundle(true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"), description="air data")
+    position = Bundle(
+        latitude=Input("rad", display_unit="deg", description="geodetic latitude"),
+        longitude=Input("rad", display_unit="deg", description="longitude"),
+        altitude=Input("m", display_unit="ft", description="height above the ellipsoid"),
+        description="position, to look up the declination; may stay unconnected",
+    )
 
     sample_period = Parameter(
         "s", start=0.01, min=1.0e-4, max=1.0, description="period at which new IMU samples are looked for and expected"
@@ -82,19 +93,30 @@ class Ahrs(Component):
     )
     declination = Parameter(
         "rad",
-        start=np.radians(13.0),
+        start=np.radians(12.74),
         min=-np.pi,
         max=np.pi,
         display_unit="deg",
-        description="magnetic declination, east positive; 13 deg at Livermore (chart value)",
+        description="magnetic declination, east positive, until there is a position; 12.74 deg at Livermore by the "
+        "WMM2025 for 2026",
     )
     declination_sigma = Parameter(
         "rad",
         start=_DEFAULT["declination_sigma"],
         min=0.0,
         display_unit="deg",
-        description="error of the declination along the flight at a dip of 60 degrees; it goes with 1 / cos(dip)",
+        description="error of the declination along a flight without position, at a dip of 60 degrees: local "
+        "anomalies, and its change; it goes with 1 / cos(dip)",
     )
+    chart_period = Parameter(
+        "s",
+        start=10.0,
+        min=1.0e-3,
+        max=600.0,
+        description="period at which the declination is looked up (own choice: 2 km at 200 m/s, 0.02 deg at 70 degrees "
+        "north)",
+    )
+    date = Parameter("1", start=2026.0, description="date in decimal years, 2025.0 to 2030.0 (validity of the WMM2025)")
     mounting_sigma = Parameter(
         "rad",
         start=_DEFAULT["mounting_sigma"],
@@ -264,6 +286,7 @@ class Ahrs(Component):
     gyro_bias = Output(3, "rad/s", display_unit="deg/s", description="estimated null shift and drift of the gyros")
     hard_iron = Output(3, "1", description="estimated hard iron over the strength of the field, body axes")
     dip = Output("rad", display_unit="deg", description="estimated dip of the field, positive down")
+    local_declination = Output("rad", display_unit="deg", description="magnetic declination in use, east positive")
     heading_sigma = Output("rad", display_unit="deg", description="standard deviation of heading, as in attitude")
     tilt_noise = Output(
         2, "rad", display_unit="deg", description="learned noise of roll and pitch from one mean specific force"
@@ -292,10 +315,17 @@ class Ahrs(Component):
     window_time = State("s", description="time since this window began")
     field_seen = State(kind="integer", description="sequence number of the last field used")
     aligned = State(kind="boolean", description="initial alignment has been done")
+    charted = State(kind="boolean", description="the declination is that of a known position")
+    chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
+
+    @require("the date {date} is outside the validity of the World Magnetic Model 2025, which is 2025.0 to 2030.0")
+    def model_is_valid(self):
+        return np.logical_and(self.date >= magnetic_field.EPOCH, self.date <= magnetic_field.EXPIRES)
 
     @start
     def assume(self):
         self.airspeed_seen = self.airspeed
+        self.local_declination = self.declination
 
     @on_new("air")
     def take_air(self):
@@ -330,6 +360,20 @@ class Ahrs(Component):
             time_of_validity=self.imu.time_of_validity,
         )
 
+    @every("chart_period")
+    def look_up(self):
+        here = self.position
+        field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
+        charted = magnetic_field.declination(field_n)
+        # what the field has said of heading, it has said from magnetic north; along the flight the filter has followed
+        found = here.valid & np.logical_not(self.charted)
+        roll, pitch, heading = self.angles
+        turned = attitude.wrap(heading + np.where(found, charted - self.local_declination, 0.0))
+        self.angles = np.stack([roll, pitch, turned])
+        self.local_declination = np.where(here.valid, charted, self.local_declination)
+        self.chart_sigma = magnetic_field.declination_sigma(field_n)
+        self.charted = here.valid
+
     @every("aiding_period")
     def aid(self):
         count = np.maximum(self.sample_count, 1.0)
@@ -354,7 +398,7 @@ class Ahrs(Component):
         turning = ahrs.turning_acceleration(np.where(fresh, airspeed, 0.0), rate)
         level_roll, level_pitch = ahrs.level(force, turning)
         magnetic, down = ahrs.levelled_heading(direction, level_roll, level_pitch)
-        angles = np.where(align, np.stack([level_roll, level_pitch, magnetic + self.declination]), self.angles)
+        angles = np.where(align, np.stack([level_roll, level_pitch, magnetic + self.local_declination]), self.angles)
         dip = np.where(align, np.arcsin(np.clip(down, -1.0, 1.0)), self.dip)
         initial = ahrs.initial_covariance(
             self.initial_sigma,
@@ -399,7 +443,7 @@ class Ahrs(Component):
         # measurement update: field
         heading_rate = attitude.euler_rates(rate, angles[0], angles[1])[2]
         then = angles[2] - heading_rate * (self.time - self.field.time_of_validity)
-        expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.declination, self.hard_iron)
+        expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.local_declination, self.hard_iron)
         correction, covariance, misfit = ahrs.field_updates(
             correction,
             covariance,
@@ -449,7 +493,8 @@ class Ahrs(Component):
         self.airspeed_used_time = self.air.time_of_validity
         self.had_air = fresh
 
-        unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, self.declination_sigma, self.dip)
+        uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
+        unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
         self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
         self.heading_sigma = self.sigmas[2]
         self.tilt_noise = sigma * np.sqrt(self.tilt_level)

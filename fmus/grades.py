@@ -86,8 +86,9 @@ FIELD = 480.0 * MILLIGAUSS
 EARTH_RATE_SEEN = 10.0 * DEG_PER_HOUR
 """What a gyro of an aircraft that turns about sees of Earth's rate, and ``ahrs`` does not know: 15 deg/h, of which one
 axis has some two thirds."""
-CHART = 0.3 * DEG
-"""Change of the declination along a flight of an hour or two, at a dip of 60 degrees."""
+CHART = float(np.hypot(0.34, 0.3)) * DEG
+"""Error of a declination that is told for a flight of an hour or two, where the dip is 60 degrees: local anomalies (the
+error model of the World Magnetic Model at a horizontal field of 24 uT), and its change along the flight."""
 
 
 FIELD_SIGMA = {"tactical": 0.05, "automotive": 0.02, "consumer": 0.02}

@@ -307,14 +307,20 @@ def sound(upper):
     return np.logical_and(np.min(variances) >= 0.0, np.max(variances) < np.pi * np.pi)
 
 
-def unseen(level, mounting, declination, dip):
+def unseen(level, mounting, declination):
     """Sigmas of roll, pitch and heading by what stands still in the aircraft or in the chart, so that nothing shows it.
 
-    ``declination`` is the error of the chart's value along the flight where the dip is 60 degrees. A change of the
-    horizontal field turns it by an angle that goes with one over the field's horizontal part.
+    ``declination`` is the sigma of the declination in use.
     """
-    turned = declination * 0.5 / np.maximum(np.cos(dip), 0.05)
-    return np.array([level, level, np.sqrt(mounting * mounting + turned * turned)])
+    return np.array([level, level, np.sqrt(mounting * mounting + declination * declination)])
+
+
+def declination_at(sigma, dip):
+    """Sigma of the declination at a dip, from the one at a dip of 60 degrees.
+
+    A change of the horizontal field turns it by an angle that goes with one over the field's horizontal part.
+    """
+    return sigma * 0.5 / np.maximum(np.cos(dip), 0.05)
 
 
 def renewed(upper, variance, use):

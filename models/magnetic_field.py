@@ -98,3 +98,12 @@ def field(latitude, longitude, altitude, date):
 def declination(field_n):
     """Angle from true to magnetic north, positive east, rad."""
     return np.arctan2(field_n[1], field_n[0])
+
+
+def declination_sigma(field_n):
+    """Error of the model's declination (1 sigma), rad: sqrt(0.26^2 + (5417 nT / H)^2) degrees, H the horizontal field.
+
+    The error model of the technical report: core and crust that the model leaves out, disturbances.
+    """
+    horizontal = np.sqrt(field_n[0] * field_n[0] + field_n[1] * field_n[1])
+    return np.radians(np.sqrt(0.26**2 + (5417e-9 / horizontal) ** 2))

@@ -132,5 +132,5 @@ def _system(name: str, fmus: Path, stations: StationSet, track: dict[str, np.nda
     cruise = float(np.median(track["true_airspeed"]))
     system.parameters("aircraft", {"wing_loading": USUAL_LIFT * 0.5 * DENSITY * cruise**2})
     system.parameters("magnetometer", {"date": DATE})
-    system.parameters("ahrs", {"declination": float(magnetic_field.declination(_field(track)))})
+    system.parameters("ahrs", {"date": DATE, "declination": float(magnetic_field.declination(_field(track)))})
     return system.pack(fmus / f"{name}.ssp")

@@ -326,9 +326,15 @@ def _unrecordable(system: Mapping[str, Description]) -> Iterable[str]:
                 yield f"'{component}.{variable.name}' is not recorded: so ends the name of a value without faults"
 
 
+def _whole(signal: Signal) -> str:
+    """Name of a signal, or of the bundle of which it is a member."""
+    component, variable = signal.key
+    return f"{component}.{names.bundle(variable) or variable}"
+
+
 def _notes(cut: Sequence[tuple[Signal, Signal]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:
     if cut and algorithm == "gauss_seidel":
-        where = ", ".join(f"{s} -> {t}" for s, t in cut)
+        where = ", ".join(dict.fromkeys(f"{_whole(s)} -> {_whole(t)}" for s, t in cut))
         yield f"the system has cycles; one communication step late: {where}"
     for fault, why in useless.items():
         yield f"fault '{fault}' {why}: it cannot act"

@@ -82,6 +82,7 @@ def connect(system: SystemSource) -> None:
     system.connect("air_data.air", "navigator.air")
     system.connect("dme.ranging", "navigator.ranging")
     system.connect("gps.fix", "navigator.fix")
+    system.connect("navigator.solution", "ahrs.position")  # for the declination: slow, one step late
     system.connect("navigator.solution", "evaluation.solution")
     for output in ("north_sigma", "east_sigma", "mode"):
         system.connect(f"navigator.{output}", f"evaluation.{output}")

@@ -65,6 +65,7 @@ class Reference:
         self.covariance = np.zeros((11, 11))
         self.aligned, self.had_air = False, False
         self.indicated = self.p["airspeed"]
+        self.declination, self.chart_sigma = self.p["declination"], None
         self.indicated_then, self.air_time_then = 0.0, 0.0
         self.last_rate, self.last_force, self.imu_time = np.zeros(3), np.array([0.0, 0.0, -G]), 0.0
         self.level = np.ones(2)
@@ -84,6 +85,14 @@ class Reference:
         self.rates.append(unbiased)
         self.forces.append(force)
         self.last_rate, self.last_force, self.imu_time = unbiased, force, time
+
+    def look_up(self, chart):
+        """``chart``: the magnetic model's result at the position; heading is known from magnetic north."""
+        declination = np.radians(chart.d)
+        if self.chart_sigma is None:
+            self.x[2] = wrap(self.x[2] + declination - self.declination)
+        self.declination = declination
+        self.chart_sigma = np.radians(chart.calculate_uncertainty().d)
 
     def aid(self, now, period, air, field_sample):
         """``air``: (valid, airspeed, time) as last seen, ``field_sample``: (direction's field, time) or None."""
@@ -132,7 +141,7 @@ class Reference:
         roll = np.arctan2(-force[1], -force[2])
         pitch = np.arctan2(force[0], np.hypot(force[1], force[2]))
         levelled = rotation(roll, pitch, 0.0).T @ (sample[0] / np.linalg.norm(sample[0]))
-        self.x[:3] = roll, pitch, np.arctan2(-levelled[1], levelled[0]) + p["declination"]
+        self.x[:3] = roll, pitch, np.arctan2(-levelled[1], levelled[0]) + self.declination
         self.x[6] = np.arcsin(levelled[2])
         gyro = np.hypot(p["gyro_null_shift_sigma"], p["gyro_drift_sigma"])
         sigmas = [p["initial_sigma"]] * 2 + [1.0] + [gyro] * 3 + [p["dip_sigma"]] + [p["hard_iron_sigma"]] * 3
@@ -178,8 +187,8 @@ class Reference:
         p = self.p
         then = self.x.copy()
         then[2] -= euler_rates(self.x, rate + self.x[3:6])[2] * (now - sample[1])
-        rows = jacobian(lambda y: field(y, p["declination"]), then)
-        residual = sample[0] / np.linalg.norm(sample[0]) - field(then, p["declination"])
+        rows = jacobian(lambda y: field(y, self.declination), then)
+        residual = sample[0] / np.linalg.norm(sample[0]) - field(then, self.declination)
         self.misfit[3] += 1
         jumped = False
         for axis, (row, r) in enumerate(zip(rows, residual, strict=True)):
@@ -196,6 +205,8 @@ class Reference:
 
     def sigmas(self):
         p = self.p
-        chart = p["declination_sigma"] * np.cos(np.radians(60.0)) / np.cos(self.x[6])
+        chart = self.chart_sigma
+        if chart is None:
+            chart = p["declination_sigma"] * np.cos(np.radians(60.0)) / np.cos(self.x[6])
         unseen = np.array([p["level_sigma"], p["level_sigma"], np.hypot(p["mounting_sigma"], chart)])
         return np.sqrt(np.diag(self.covariance)[:3] + unseen**2)

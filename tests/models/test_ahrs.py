@@ -1,12 +1,14 @@
 """AHRS: its equations against numbers, and the component on the aircraft's own motion."""
 
 import numpy as np
+import pygeomag
 import pytest
 
 from fmus.ahrs import Ahrs
 from fmus.grades import GRADES, ahrs_parameters
 from models import ahrs, attitude, earth, kalman
 from models.flight_plan import FlightPlan, straight, turn
+from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
 PERIOD = 0.1
@@ -16,7 +18,7 @@ SPEED = 46.3
 LEVEL_SIGMA = interpret(Ahrs).get("level_sigma")
 ANGLES = ("roll", "pitch", "heading")
 NAMES = [f"attitude.{name}{suffix}" for name in ANGLES for suffix in ("", "_sigma")]
-NAMES += ["gyro_bias", "hard_iron", "dip", "tilt_noise"]
+NAMES += ["gyro_bias", "hard_iron", "dip", "tilt_noise", "local_declination", "covariance", "heading_sigma"]
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +75,10 @@ def flight():
     return motion(track["time"], SPEED, heading, roll)
 
 
-def fly(native, flight, parameters=None, bias=(0.0, 0.0, 0.0), noise=0.0, field_until=1e9, air_until=1e9, iron=0.0):
+def fly(
+    native, flight, parameters=None, bias=(0.0, 0.0, 0.0), noise=0.0, field_until=1e9, air_until=1e9, iron=0.0,
+    position_from=1e9,
+):  # fmt: skip
     """Outputs, and errors of roll, pitch and heading (deg), from samples at PERIOD, 2 PERIOD ... of the flight."""
     rng = np.random.default_rng(3)
     white = noise * rng.standard_normal(flight["rate"].shape)
@@ -90,6 +95,9 @@ def fly(native, flight, parameters=None, bias=(0.0, 0.0, 0.0), noise=0.0, field_
         if now <= air_until:
             values["air.true_airspeed"] = flight["speed"][k]
             seen.append("air")
+        if now >= position_from:
+            values |= {f"position.{name}": flight["position"][name][k] for name in flight["position"]}
+            seen.append("position")
         for bundle in seen:
             held[f"{bundle}.valid"], held[f"{bundle}.sequence"], held[f"{bundle}.time_of_validity"] = True, k, now
         return values | held
@@ -412,3 +420,113 @@ def test_lost_imu_samples_are_counted_and_bridged(native, flight):
         run.do_step((k - 2) * PERIOD, 2 * PERIOD)
     assert run.get("imu.lost") == 200
     assert run.get("attitude.heading") == pytest.approx(wrap(flight["heading"][400]), abs=np.radians(0.1))
+
+
+# --- declination -----------------------------------------------------------------------------------------------------
+
+FAR_NORTH = {"latitude": np.radians(70.0), "longitude": np.radians(20.0), "altitude": 5000.0}
+
+
+def chart(latitude, longitude, altitude, date=2026.0):
+    """The World Magnetic Model by pygeomag, and its error of the declination in rad."""
+    model = pygeomag.GeoMag(coefficients_file="wmm/WMM_2025.COF")
+    result = model.calculate(glat=np.degrees(latitude), glon=np.degrees(longitude), alt=altitude / 1e3, time=date)
+    return result, np.radians(result.calculate_uncertainty().d)
+
+
+def looked_up(valid, seconds=20, **parameters):
+    """An AHRS at rest with a position, after some looks at the chart."""
+    run = interpret(Ahrs, sample_period=PERIOD, **parameters)
+    for name, value in FAR_NORTH.items():
+        run.set(f"position.{name}", value)
+    run.set("position.valid", valid)
+    run.do_step(0.0, float(seconds))
+    return run
+
+
+@pytest.fixture(scope="module")
+def far():
+    """400 km due east at 70 degrees north in the field of the World Magnetic Model."""
+    speed = 200.0
+    time = np.arange(0.0, 2000.0 + PERIOD / 2, PERIOD)
+    flown = motion(time, speed, np.pi / 2 + 0.0 * time, 0.0)
+    _, east_west = earth.radii(FAR_NORTH["latitude"])
+    per_second = speed / ((east_west + FAR_NORTH["altitude"]) * np.cos(FAR_NORTH["latitude"]))
+    position = {name: value + 0.0 * time for name, value in FAR_NORTH.items()}
+    position["longitude"] = position["longitude"] + per_second * time
+    marks = np.arange(0, time.size, 100)
+    along = [chart(*(position[name][k] for name in FAR_NORTH))[0] for k in marks]
+    field_n = np.array([np.interp(time, time[marks], [getattr(r, axis) for r in along]) for axis in "xyz"]) * 1e-9
+    field_b = np.einsum("jit,jt->it", attitude.dcm(0.0 * time, 0.0 * time, flown["heading"]), field_n)
+    declination = np.arctan2(field_n[1], field_n[0])
+    return flown | {"field": field_b, "position": position, "declination": declination}
+
+
+def beginning(flight, seconds):
+    """The first seconds of a flight, with its position."""
+    count = round(seconds / PERIOD) + 1
+    position = {name: values[:count] for name, values in flight["position"].items()}
+    return {name: v[..., :count] for name, v in flight.items() if name != "position"} | {"position": position}
+
+
+def test_the_declination_is_that_of_the_chart_at_the_position():
+    for date in (2026.0, 2029.5):
+        expected = chart(*FAR_NORTH.values(), date)[0].d
+        got = np.degrees(looked_up(True, date=date).get("local_declination"))
+        assert got == pytest.approx(expected, abs=1e-9)
+    assert looked_up(True, seconds=9, declination=0.2).get("local_declination") == 0.2  # not looked up yet
+
+
+def test_without_a_position_the_declination_is_that_of_the_parameter():
+    """A position that is not valid is none: its numbers are not looked at."""
+    assert looked_up(False, declination=0.2).get("local_declination") == 0.2
+    run = looked_up(True, declination=0.2)
+    kept = run.get("local_declination")
+    run.set("position.valid", False)
+    run.set("position.longitude", 0.0)
+    run.do_step(20.0, 20.0)
+    assert run.get("local_declination") == kept != 0.2
+
+
+@pytest.mark.parametrize("date", [2024.9, 2030.1])
+def test_a_date_without_a_chart_is_refused(date):
+    with pytest.raises(NavfmuError, match="validity of the World Magnetic Model 2025"):
+        interpret(Ahrs, date=date)
+
+
+def test_heading_follows_the_chart_on_a_flight_in_the_far_north(native, far):
+    """The declination changes by 5.7 degrees. With a constant one the heading is wrong by the change; with the chart
+    less than a twentieth of it is left: look-ups that are 10 s late, and a dip that the filter has to follow."""
+    change = np.degrees(far["declination"] - far["declination"][0])
+    assert change[-1] > 5.0
+    told = {"declination": far["declination"][0]}
+    _, without = fly(native, far, told)
+    got, error = fly(native, far, told, position_from=1.0)
+    np.testing.assert_allclose(without["heading"][100:], -change[100:], atol=0.3)
+    assert np.max(np.abs(error["heading"][100:])) < 0.05 * change[-1]
+    late = np.degrees(got["local_declination"] - far["declination"])[100:]
+    assert np.max(np.abs(late)) < 1.05 * 10.0 * np.max(np.diff(change)) / PERIOD
+
+
+def test_heading_turns_at_once_when_a_position_comes(native, far):
+    """After 300 s with a declination that is wrong by 20 degrees. A filter that only is told the new one meets a field
+    that has jumped, for which it blames the hard iron."""
+    told = {"declination": far["declination"][0] - np.radians(20.0)}
+    got, error = fly(native, beginning(far, 400.0), told, position_from=300.0)
+    assert np.min(np.abs(error["heading"][20:2990])) > 18.0
+    assert np.max(np.abs(error["heading"][3102:])) < 0.5
+    np.testing.assert_allclose(got["hard_iron"][-1], 0.0, atol=0.005)
+
+
+def test_the_sigma_of_heading_has_the_error_of_the_chart(native, far):
+    """By the error model of the World Magnetic Model with position, and by declination_sigma without: all of it that is
+    neither the filter's covariance nor the mounting."""
+    mounting, told = (interpret(Ahrs).get(name) for name in ("mounting_sigma", "declination_sigma"))
+    start, added = beginning(far, 60.0), []
+    for position_from in (1.0, 1e9):
+        got, _ = fly(native, start, {"declination": far["declination"][0]}, position_from=position_from)
+        filtered = kalman.diagonal(got["covariance"][-1])[2]
+        added.append(np.sqrt(got["heading_sigma"][-1] ** 2 - filtered - mounting**2))
+    _, expected = chart(*(start["position"][name][-2] for name in FAR_NORTH))
+    assert added[0] == pytest.approx(expected, rel=1e-3)  # at the look-up of 60 s
+    assert added[1] == pytest.approx(told * 0.5 / np.cos(got["dip"][-1]), rel=1e-9)

@@ -36,6 +36,15 @@ def test_field_agrees_with_pygeomag_everywhere_and_at_every_date(reference):
         np.testing.assert_allclose(ours, reference_field(reference, latitude, longitude, altitude, date), atol=1e-12)
 
 
+def test_the_error_of_the_declination_is_that_of_the_models_error_model(reference):
+    """0.3 degrees where the horizontal field is strong, several near the magnetic poles."""
+    for latitude, longitude in ((0.0, 0.3), (37.7, -121.8), (70.0, 20.0), (84.0, 130.0)):
+        r = reference.calculate(glat=latitude, glon=longitude, alt=1.5, time=2026.0)
+        field = magnetic_field.field(np.radians(latitude), np.radians(longitude), 1500.0, 2026.0)
+        expected = r.calculate_uncertainty().d
+        assert np.degrees(magnetic_field.declination_sigma(field)) == pytest.approx(expected, rel=1e-9)
+
+
 def test_field_is_regular_at_the_poles():
     for latitude in (np.pi / 2, -np.pi / 2):
         at = magnetic_field.field(latitude, 0.3, 0.0, 2026.0)
