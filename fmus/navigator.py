@@ -11,6 +11,8 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 PLACES = stations.PLACES
 STATES = 2 + navigator.VELOCITIES + PLACES
 LONG_AGO = -1.0e9
+BEGUN_ANEW = 1.0e4
+"""Variance of a position that is not believed at all, in squares of what it is wrong by."""
 
 
 class Navigator(stations.StationTable, Component):
@@ -26,7 +28,8 @@ class Navigator(stations.StationTable, Component):
     east wind, the error of air velocity along the nose (airspeed) and across it (heading times airspeed), and the bias
     of the range of each station. It is corrected in two phases:
 
-    - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and velocity.
+    - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and velocity. A position beyond the gate is begun
+      anew from the fix, without conclusions as to the wind.
     - *coasting* (`mode` 2): from the moment a fix is invalid or overdue by `fix_timeout`. Each DME range corrects
       along its line of sight, one scalar update after the other: L = P H' (H P H' + R)^-1 (the thesis prints H' P H in
       (6.39)), P+ = (I - L H) P (6.42). Residuals are measured minus predicted slant range on the ellipsoid, at the
@@ -44,8 +47,8 @@ class Navigator(stations.StationTable, Component):
     filter then claims 10 m and is hundreds of metres wrong.
 
     *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held. The aircraft
-    may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed as their sigma,
-    and live for `blind_time`. The DME ranges then carry the solution.
+    may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed, or the airspeed
+    if that is more, as their sigma, and live for `blind_time`. The DME ranges then carry the solution.
 
     *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
     `rejected`. The variant as printed has none.
@@ -56,8 +59,9 @@ class Navigator(stations.StationTable, Component):
     fewer than those whose ranges are used and these cross well (dilution at most `dilution_limit`); and so is a
     single one, whatever the others, that was refused when its range jumped by more than bias and aircraft can have
     changed since it was last heard: it is not used until it jumps again or GPS is back
-    (`astray`). Otherwise dead reckoning is: `doubted` stays true until GPS is back, position gets the variance of the
-    refused innovation, and the air velocity counts as little as if it were missing, but keeps its correlation times.
+    (`astray`). Otherwise dead reckoning is: `doubted` stays true until GPS is back, position gets what its variance
+    lacks of the refused innovation's square, and the air velocity counts as little as if it were missing, but keeps its
+    correlation times.
 
     *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
     """
@@ -264,13 +268,15 @@ class Navigator(stations.StationTable, Component):
     range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
     refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
     refusals = State(PLACES, "1", description="ranges refused in a row, counted as far as they are news")
-    innovation = State(PLACES, "m", description="each station's last range less what was predicted, taken or not")
+    innovation = State(
+        PLACES, "m", description="each station's last range less what the solution now says, taken or not"
+    )
     astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
 
     def error_model(self, speed, seen):
         """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed``; ``seen``:
         there are heading and airspeed."""
-        doubt = np.where(np.logical_and(seen, np.logical_not(self.doubted)), 0.0, self.last_speed)
+        doubt = np.where(np.logical_and(seen, np.logical_not(self.doubted)), 0.0, self.top_speed())
         along = np.hypot(self.airspeed_sigma, doubt)
         across = np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)
         bias_time = self.correlation_distance / np.maximum(speed, 1.0)
@@ -288,6 +294,10 @@ class Navigator(stations.StationTable, Component):
             ]
         )
         return sigmas, times
+
+    def top_speed(self):
+        """The faster of ground speed by the last fix and airspeed, m/s: GPS may have been lost before take-off."""
+        return np.maximum(self.last_speed, self.airspeed)
 
     def gusts(self, since):
         """Variance of independent gusts every ``since`` s that do the same to position as those that last, (m/s)^2."""
@@ -348,10 +358,13 @@ class Navigator(stations.StationTable, Component):
         residual = velocity * age + navigator.offset(
             latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude
         )
+        squares = residual * residual
+        within = self.innovation_gate**2 * (kalman.diagonal(covariance)[:2] + self.fix_sigma**2)
+        beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within)
         since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
         correction, self.covariance = navigator.fix_updates(
             np.zeros(STATES),
-            covariance,
+            np.where(beyond, navigator.anew(covariance, BEGUN_ANEW * np.max(squares)), covariance),
             residual,
             self.fix.velocity_n[:2] - velocity,
             navigator.velocity_rows(self.nose),
@@ -410,13 +423,17 @@ class Navigator(stations.StationTable, Component):
         measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
         innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
         # a station whose range jumps, in the time since it was last heard, further than the aircraft and its bias can
-        since = moment - np.maximum(self.range_time, self.refused_time)
-        news = navigator.news(since, self.correlation_distance / np.maximum(self.last_speed, 1.0))
-        reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + self.last_speed * since
-        jumped = measured & (np.abs(innovation - self.innovation) > reach)
+        heard = np.maximum(self.range_time, self.refused_time)
+        since = moment - heard
+        speed = self.top_speed()
+        news = navigator.news(since, self.correlation_distance / np.maximum(speed, 1.0))
+        reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + speed * since
+        jumped = measured & (heard > self.fix_time) & (np.abs(innovation - self.innovation) > reach)
         astray = self.astray & np.logical_not(jumped)
 
-        variance = self.noise_sigma**2 + navigator.curvature(self.covariance, north, east, distance)
+        curvature = navigator.curvature(self.covariance, north, east, distance)
+        unused = np.maximum(moment - self.range_time, 1.0e-3)
+        variance = self.noise_sigma**2 + curvature / navigator.news(unused, self.wind_time)
         correction, covariance, taken = navigator.range_updates(
             np.zeros(STATES),
             self.covariance,
@@ -432,8 +449,9 @@ class Navigator(stations.StationTable, Component):
         self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
         self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
 
-        self.astray = astray | (jumped & refused & (self.refusals == 0.0))
-        self.innovation = np.where(measured, innovation, self.innovation)
+        self.astray = astray | (jumped & refused & (self.refusals == 0.0) & np.logical_not(self.doubted))
+        moved = north * correction[0] + east * correction[1] + correction[6:]
+        self.innovation = np.where(measured, innovation, self.innovation) - moved
         refusals = self.refusals + np.where(refused, news, 0.0)
         self.refusals = np.where(taken, 0.0, refusals)
         self.range_time = np.where(taken, moment, self.range_time)
@@ -452,8 +470,8 @@ class Navigator(stations.StationTable, Component):
             & (np.sum(np.where(counted, self.refusals, 0.0)) >= self.patience)
             & np.logical_not(navigator.outvoted(against, believed, dilution, self.dilution_limit))
         )
-        wrong = np.where(refused & counted & doubt, innovation, 0.0)
-        self.covariance = navigator.widen(covariance, np.max(wrong * wrong))
+        lacking = np.maximum(innovation * innovation - navigator.variance_along(covariance, north, east), 0.0)
+        self.covariance = navigator.widen(covariance, np.max(np.where(refused & counted & doubt, lacking, 0.0)))
         self.doubted = np.logical_or(self.doubted, doubt)
 
     @every("update_period")
@@ -463,6 +481,7 @@ class Navigator(stations.StationTable, Component):
         self.north_sigma = np.sqrt(variances[0])
         self.east_sigma = np.sqrt(variances[1])
         self.mode = np.where(self.initialised, np.where(self.calibrating(), 1, 2), 0)
+        self.hdop = np.where(np.any(self.time - self.range_time <= self.geometry_window), self.hdop, 99.0)
         self.solution.publish(
             latitude=self.latitude,
             longitude=self.longitude,

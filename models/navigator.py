@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models import earth, kalman
+from models import attitude, earth, kalman
 
 VELOCITIES = 4
 """Wind and air velocity errors, which position integrates; they follow position in the state vector."""
@@ -54,7 +54,7 @@ def offset(latitude, longitude, altitude, other_latitude, other_longitude):
     return np.array(
         [
             (other_latitude - latitude) * (north_south + altitude),
-            (other_longitude - longitude) * (east_west + altitude) * np.cos(latitude),
+            attitude.wrap(other_longitude - longitude) * (east_west + altitude) * np.cos(latitude),
         ]
     )
 
@@ -133,12 +133,17 @@ def curvature(upper, north, east, distance):
 
     The second derivative of a range is 1 / distance across the line of sight. Where the position is uncertain by
     kilometres the linear rows of H would claim more than is known; half the square of (variance across / distance) is
-    the variance of the second-order term of a normal error (Gelb, Applied Optimal Estimation, 1974, section 6.1).
+    the variance of the second-order term of a normal error (Gelb, Applied Optimal Estimation, 1974, section 6.1). It is
+    no noise: it stays while the position stays wrong.
     """
+    return 0.5 * (variance_along(upper, -east, north) / np.maximum(distance, 1.0)) ** 2
+
+
+def variance_along(upper, north, east):
+    """Variance of position along horizontal directions with these cosines, m^2."""
     covariance = kalman.unpack(upper)
     nn, ne, ee = covariance[0, 0], covariance[0, 1], covariance[1, 1]
-    across = east * east * nn - 2.0 * north * east * ne + north * north * ee
-    return 0.5 * (across / np.maximum(distance, 1.0)) ** 2
+    return north * north * nn + 2.0 * north * east * ne + east * east * ee
 
 
 def range_updates(correction, upper, north, east, residual, variance, measured, gate):
@@ -160,7 +165,7 @@ def range_updates(correction, upper, north, east, residual, variance, measured, 
 
 def news(since, time_constant):
     """How much of a measurement made ``since`` s after the last one is news, where its error has the correlation
-    ``time_constant`` s: 1 - exp(-since / tau)."""
+    ``time_constant`` s: 1 - exp(-since / tau). Its variance over this is that of as many independent ones."""
     return 1.0 - np.exp(-since / time_constant)
 
 
@@ -168,6 +173,12 @@ def outvoted(against, believed, dilution, limit):
     """Whether the stations that contradict the state are contradicted in turn: there are more of those that it agrees
     with, and these fix the position by themselves, with a dilution of precision of at most ``limit``."""
     return (np.sum(np.where(believed, 1.0, 0.0)) > np.sum(np.where(against, 1.0, 0.0))) & (dilution <= limit)
+
+
+def anew(upper, variance):
+    """Position with ``variance`` (m^2) on each axis and independent of the other states, which stay as they are."""
+    others = np.concatenate([np.zeros(2), np.ones(kalman.order(upper) - 2)])
+    return upper * kalman.pack(np.outer(others, others)) + kalman.of_variances(1.0 - others) * variance
 
 
 def widen(upper, variance):

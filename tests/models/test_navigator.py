@@ -55,9 +55,9 @@ class Flight:
         for name, value in values.items():
             self.run.set(name, value)
 
-    def fly(self, seconds, fix=None, ranging=None, age=0.0, shift=0.0, wrong=0.0):
+    def fly(self, seconds, fix=None, ranging=None, age=0.0, shift=0.0, wrong=0.0, fix_shift=0.0):
         """``fix``: None silent, True good, False without a fix. ``ranging``: period of ranges of all stations, wrong by
-        ``shift`` m. ``wrong``: error of heading."""
+        ``shift`` m. ``wrong``: error of heading. ``fix_shift``: error of a fix to the north, m."""
         every = round(1.0 / self.step)
         for _ in range(round(every * seconds)):
             self.k += 1
@@ -66,7 +66,8 @@ class Flight:
             self.set(bundle("air", self.k, t, true_airspeed=SPEED, pressure_altitude=ALTITUDE - 30.0))
             if fix is not None and self.k % every == 0:
                 self.fixes += 1
-                position = {"latitude": north_of_start(t), "longitude": LONGITUDE, "altitude": ALTITUDE}
+                north = north_of_start(t + fix_shift / SPEED)
+                position = {"latitude": north, "longitude": LONGITUDE, "altitude": ALTITUDE}
                 self.set(bundle("fix", self.fixes, t, fix, **position, velocity_n=(SPEED, 0.0, 0.0)))
             if ranging and self.k % round(every * ranging) == round(every * age):
                 self.rangings += 1
@@ -345,6 +346,19 @@ def test_dilution_is_that_of_the_ranges_used_lately():
     assert flight["hdop"] == 99.0
 
 
+@pytest.mark.parametrize("silent", [True, False])
+def test_dilution_without_ranges_is_not_that_of_the_last_ones(silent):
+    """No report at all, or reports without a range, as a receiver has them beyond the reach of all stations."""
+    flight = Flight(step=1.0).fly(10.0, fix=True).fly(1.0, fix=False).fly(30.0, ranging=5.0)
+    assert flight["hdop"] < 2.0
+    flight.run.set("ranging.valid", False)
+    for k in range(100):
+        if not silent:
+            flight.run.set("ranging.sequence", flight.rangings + k + 1)
+        flight.fly(1.0)
+    assert flight["hdop"] == 99.0
+
+
 # --- doubt -----------------------------------------------------------------------------------------------------------
 
 FIVE = {
@@ -406,6 +420,30 @@ def test_one_station_that_jumps_is_isolated(count):
     assert flight["rejected"] == 60  # and it is used again once it is well
 
 
+def test_ranges_that_all_jump_and_jump_back_leave_a_claim_that_can_be_used():
+    """Position gets what it lacks, once. Adding the innovation's square at each range claims 200 km after 5 minutes,
+    from which ranges that are good again do not bring it back."""
+    flight = Flight(stations=[True] * 5, step=1.0, **FIVE)
+    flight.fly(60.0, fix=True).fly(1.0, fix=False).fly(120.0, ranging=1.0)
+    flight.fly(300.0, ranging=1.0, shift=18e3)
+    assert np.hypot(flight["north_sigma"], flight["east_sigma"]) < 45e3  # 18 km, and five minutes without heading
+    flight.fly(120.0, ranging=1.0)
+    assert np.hypot(*flight.error()) < 500.0
+    assert np.hypot(flight["north_sigma"], flight["east_sigma"]) < 600.0
+
+
+def test_stations_are_not_astray_because_gps_was():
+    """GPS comes back for 15 s, wrong by 3 km. Compared with what was heard before that, the range to the station ahead
+    seems to jump, and would be left out for good."""
+    flight = Flight(stations=[True] * 5, step=1.0, **FIVE)
+    flight.fly(60.0, fix=True).fly(1.0, fix=False).fly(120.0, ranging=1.0)
+    flight.fly(15.0, fix=True, fix_shift=3e3, ranging=1.0).fly(1.0, fix=False)
+    flight.fly(60.0, ranging=1.0)
+    assert not np.any(flight["astray"])
+    assert np.hypot(*flight.error()) < 500.0
+    assert within_three_sigma(flight)
+
+
 # --- phases ----------------------------------------------------------------------------------------------------------
 
 
@@ -442,6 +480,53 @@ def test_there_is_no_step_when_gps_goes_and_a_correction_within_sigma_when_it_re
     assert abs(error) < 3.0 * sigma
     flight.fly(5.0, fix=True)
     assert flight["north_sigma"] < 3.0 and abs(flight.error()[0]) < 1.0
+
+
+def test_a_fix_that_jumps_says_nothing_about_the_wind():
+    """5 km there and back. Taken for what wind did in a second, it throws the wind by 100 m/s and more."""
+    flight = Flight().fly(60.0, fix=True)
+    for shift in (5000.0, 0.0):
+        flight.fly(3.0, fix=True, fix_shift=shift)
+        north, east = flight.error()
+        assert np.hypot(north - shift, east) < 5.0
+        assert np.hypot(*flight["solution.wind_n"]) < 1.0
+        assert np.hypot(*flight["air_error"]) < 1.0
+        assert flight["north_sigma"] < 2.0 and flight["east_sigma"] < 2.0
+
+
+def test_a_position_begun_anew_keeps_what_is_known_of_the_rest():
+    upper = kalman.pack(np.diag(np.arange(1.0, 8.0)) + 0.1)
+    begun = kalman.unpack(navigator.anew(upper, 1e6))
+    assert np.array_equal(begun[:2], [[1e6] + [0.0] * 6, [0.0, 1e6] + [0.0] * 5])
+    assert np.array_equal(begun[2:, 2:], kalman.unpack(upper)[2:, 2:])
+
+
+def test_gps_lost_before_take_off_leaves_a_blind_navigator_that_knows_it():
+    """On the ground GPS shows no speed; in the air heading falls silent. A claim that takes the speed by GPS for all
+    there can be knows of the wind only: 1.7 km after 5 minutes."""
+    run = interpret(Navigator, update_period=1.0)
+    for t in range(1, 421):
+        speed = 0.0 if t <= 60 else SPEED
+        run.set("attitude.valid", t <= 120)
+        given = bundle("air", t, float(t), true_airspeed=speed, pressure_altitude=ALTITUDE)
+        if t <= 120:
+            given |= bundle("attitude", t, float(t), heading=0.0, yaw_rate=0.0, heading_sigma=HEADING_SIGMA)
+        if t <= 30:
+            place = {"latitude": LATITUDE, "longitude": LONGITUDE, "altitude": ALTITUDE}
+            given |= bundle("fix", t, float(t), **place, velocity_n=np.zeros(3))
+        for name, value in given.items():
+            run.set(name, value)
+        run.do_step(t - 1.0, 1.0)
+    blind = SPEED * np.sqrt(2.0 * 60.0 * (300.0 - 60.0 * (1.0 - np.exp(-5.0))))  # of a velocity that lives for 60 s
+    assert run.get("north_sigma") > 0.9 * blind
+    assert run.get("east_sigma") > 0.9 * blind
+
+
+def test_metres_are_the_short_way_round():
+    """A receiver shows -180 degrees where the solution has counted on beyond 180."""
+    latitude, west, east = np.radians([-17.0, -179.99, 180.01])
+    assert navigator.offset(latitude, east, 0.0, latitude, west) == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert navigator.offset(latitude, west, 0.0, latitude, np.radians(179.99))[1] < -2000.0
 
 
 # --- many runs -------------------------------------------------------------------------------------------------------
