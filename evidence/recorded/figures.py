@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from evidence.recorded.flight import ANGLES, LOST, Flown
+from evidence.recorded.flight import ANGLES, LOST, NORTH_EAST, Flown
 
 SETTLED = 60.0
 """Time after which the attitude is judged, s."""
@@ -93,10 +93,7 @@ def position(runs: list[pd.DataFrame]) -> Position:
     runs = [run[run.index > LOST] for run in runs]
     error = np.array([run["evaluation.horizontal_error"].to_numpy() for run in runs])
     inside = np.array([run["evaluation.consistent"].to_numpy(bool) for run in runs])
-    normalised = [
-        np.mean(sum((run[f"evaluation.{a}_error"] / run[f"navigator.{a}_sigma"]) ** 2 for a in ("north", "east")))
-        for run in runs
-    ]
+    normalised = [np.mean(normalised_squares(run)) for run in runs]
     gone = [stretch for each in inside for stretch in stretches(~each) if stretch > GONE]
     return Position(
         median=float(np.median(error)),
@@ -110,6 +107,15 @@ def position(runs: list[pd.DataFrame]) -> Position:
         lost=sum(gone) / 60.0 / len(runs),
         longest=max(gone, default=0.0) / 60.0,
     )
+
+
+def normalised_squares(run: pd.DataFrame) -> np.ndarray:
+    """e' P^-1 e of the position with the whole covariance: where one station leaves a long and narrow uncertainty, the
+    error along its line of sight counts for what it is."""
+    north, east = (run[f"evaluation.{axis}_error"] for axis in ("north", "east"))
+    nn, ee = (run[f"navigator.{axis}_sigma"] ** 2 for axis in ("north", "east"))
+    ne = run[NORTH_EAST]
+    return ((north**2 * ee - 2.0 * north * east * ne + east**2 * nn) / (nn * ee - ne**2)).to_numpy()
 
 
 def stretches(flags: np.ndarray) -> list[int]:

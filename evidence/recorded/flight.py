@@ -29,7 +29,10 @@ ANGLES = ("roll", "pitch", "heading")
 DATE = 2026.0
 USUAL_LIFT, DENSITY = 0.5, 1.1
 """Lift coefficient at a flight's usual speed, from which its wing loading is guessed, and density of air, kg/m3."""
+NORTH_EAST = "navigator.covariance[2]"
+"""Covariance of north and east position: the second element of the first row."""
 SIGNALS = [
+    NORTH_EAST,
     *(f"evaluation.{name}" for name in ("north_error", "east_error", "horizontal_error", "consistent")),
     *(f"navigator.{name}" for name in ("north_sigma", "east_sigma", "hdop", "rejected", "used")),
     *(f"aircraft.{angle}" for angle in ANGLES),

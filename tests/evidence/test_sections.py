@@ -154,7 +154,13 @@ def test_step_sizes_claims_the_systems_own_step_only_if_it_is_good_enough():
     assert "Samples lost" not in text_of(step_sizes.section(made(lost=counted(0, 0, 0)), 0.2))
 
 
-def flown(error: float = 100.0, sigma: float = 100.0, attitude: float = 1.0, consistent: float = 97.0) -> Flown:
+def flown(
+    error: float = 100.0,
+    sigma: float = 100.0,
+    attitude: float = 1.0,
+    consistent: float = 97.0,
+    correlation: float = 0.0,
+) -> Flown:
     """A flight of 1000 s with three seeds; ``attitude`` is the error of all angles over their sigma of 1 deg."""
     time = np.arange(0.0, 1001.0)
     one = np.radians(1.0)
@@ -165,6 +171,7 @@ def flown(error: float = 100.0, sigma: float = 100.0, attitude: float = 1.0, con
         "evaluation.consistent": np.arange(len(time)) % 100 < consistent,
         "navigator.north_sigma": sigma,
         "navigator.east_sigma": sigma,
+        "navigator.covariance[2]": correlation * sigma**2,
         "navigator.used": 7.0,
         "navigator.rejected": 3.0,
     }
@@ -198,6 +205,8 @@ def test_figures_of_recorded_flights_are_those_that_can_be_said_beforehand():
     where = figures.position(flown(300.0, 100.0).runs["main"])
     assert (where.median, where.above, where.used, where.rejected) == (300.0, 0.0, 7.0, 3.0)
     assert where.nees.value == pytest.approx(9.0)
+    across = figures.position(flown(300.0, 100.0, correlation=0.8).runs["main"])
+    assert across.nees.value == pytest.approx(25.0), "the error is not along the long axis of the uncertainty"
     assert figures.position(flown(np.nan).runs["main"]).above == 100.0
     gone = figures.position(flown(consistent=20.0).runs["main"])
     assert (gone.longest, gone.lost) == (80.0 / 60.0, 7 * 80.0 / 60.0)
