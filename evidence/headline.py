@@ -41,8 +41,8 @@ SHARE, SAMPLES, PRINTED = 95.0, 98.9, 10.0
 
 An honest filter has 99.46 % of its flights inside at any time: of 100 more than 5 are outside with a probability of
 2e-5. The shares of single flights scatter by 1.4 %, so that of 100 flights together is above 98.9 with a probability of
-1 - 3e-5; 99.5 would be beyond an honest filter more often than not. Of one flight's time no such bound holds, for errors
-live for minutes: where the wind is three sigma the best filter is outside for 5 % of a flight.
+1 - 3e-5; 99.5 would be beyond an honest filter more often than not. Of one flight's time no such bound holds, for
+errors live for minutes: where the wind is three sigma the best filter is outside for 5 % of a flight.
 """
 DRIFT = "Half of the flights on dead reckoning alone end beyond 0.5 nmi"
 BOUNDED = "At every time 95 % of the flights are within 0.5 nmi"
