@@ -101,12 +101,16 @@ def ahrs_parameters(grade: str) -> dict[str, float]:
 
     A level that is wrong by a constant tilts the field, which in level flight cannot be told from hard iron: so the
     hard iron that the filter looks for has the errors of the level and of mounting, too. Soft iron turns the needle on
-    all headings alike by half the difference of its two horizontal cross elements.
+    all headings alike by half the difference of its two horizontal cross elements. Half their sum, and half the
+    difference of the two horizontal gains, turn it twice to and fro in a circle, (A cos 2 psi + B sin 2 psi): no state
+    has this shape, and on a leg it does not average out.
     """
     imu = GRADES[grade]
     level = np.hypot(imu["accelerometer_null_shift_sigma"], imu["accelerometer_drift_sigma"]) / G
     level = float(np.hypot(level, imu["misalignment_sigma"]))
     soft, mounting = MAGNETOMETER["soft_iron_sigma"], MAGNETOMETER["misalignment_sigma"]
+    gain = np.hypot(soft, MAGNETOMETER["scale_factor_sigma"])
+    twice = 0.5 * np.hypot(soft, gain)
     iron = np.array([MAGNETOMETER["hard_iron_sigma"] / FIELD, soft, mounting, level])
     return {
         "gyro_noise": imu["gyro_noise_sigma"],
@@ -116,7 +120,7 @@ def ahrs_parameters(grade: str) -> dict[str, float]:
         "gyro_drift_time": imu["gyro_drift_time"],
         "level_sigma": level,
         "declination_sigma": CHART,
-        "mounting_sigma": float(np.hypot(mounting, soft / np.sqrt(2.0))),
+        "mounting_sigma": float(np.linalg.norm([mounting, soft / np.sqrt(2.0), twice])),
         "field_sigma": FIELD_SIGMA[grade],
         "hard_iron_sigma": float(np.linalg.norm(iron)),
         "airspeed_sigma": AIR_DATA["airspeed_error_sigma"],
