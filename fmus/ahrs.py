@@ -122,7 +122,7 @@ class Ahrs(Component):
         start=_DEFAULT["mounting_sigma"],
         min=0.0,
         display_unit="deg",
-        description="rotation of the needle by the triad's mounting and soft iron, on all headings alike",
+        description="error of the needle by the triad's mounting, soft iron and scale factors, rms over all headings",
     )
     level_sigma = Parameter(
         "rad",
@@ -186,7 +186,10 @@ class Ahrs(Component):
         "s", start=600.0, min=0.01, description="time constant with which the noise of the tilt is learned"
     )
     tilt_limit = Parameter(
-        "1", start=3.0, min=1.0, description="sigmas beyond which a sum of innovations raises the noise at once"
+        "1",
+        start=3.0,
+        min=1.0,
+        description="sigmas beyond which a sum of innovations, of a third of the window or more, raises the noise",
     )
     doubt_angle = Parameter(
         "rad",
@@ -436,8 +439,9 @@ class Ahrs(Component):
         use = felt & self.aligned
         uses = use, use & (np.logical_not(fresh) | (self.had_air & changed))
         learning = np.stack([self.tilt_level, self.innovation_sum, self.innovation_count])
+        least = np.maximum(ahrs.ENOUGH * self.tilt_window / self.period, 1.0)
         correction, covariance, learning = ahrs.tilt_updates(
-            covariance, rows, residuals, sigma, uses, learning, self.tilt_limit
+            covariance, rows, residuals, sigma, uses, learning, least, self.tilt_limit
         )
 
         # measurement update: field

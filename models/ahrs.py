@@ -44,6 +44,8 @@ MOVING = 3
 PITCH, DIP, IRON, AIRSPEED = 1, 6, slice(7, 10), 10
 TURN_TIME = 60.0
 """Time for which a turn lasts, s: as long a scale factor error of a gyro acts in one direction (own choice)."""
+ENOUGH = 1.0 / 3.0
+"""Share of a window from which on a sum of innovations tells of noise that lasts (own choice)."""
 
 
 def level(specific_force, acceleration):
@@ -81,7 +83,7 @@ def tilt_rows(airspeed, yaw_rate, roll, pitch):
     )
 
 
-def tilt_updates(upper, rows, residuals, sigma, uses, learning, limit):
+def tilt_updates(upper, rows, residuals, sigma, uses, learning, least, limit):
     """Take the two tilt residuals, lateral and longitudinal, at the noise level that is learned.
 
     Parameters
@@ -92,7 +94,7 @@ def tilt_updates(upper, rows, residuals, sigma, uses, learning, limit):
         Noise of level 1, rad.
     learning
         Noise levels (variances over ``sigma`` squared), sums and numbers of innovations in this window, shape (3, 2).
-    limit
+    least, limit
         Of :func:`raised`.
 
     Returns
@@ -106,7 +108,7 @@ def tilt_updates(upper, rows, residuals, sigma, uses, learning, limit):
         innovation = (residuals[axis] - np.sum(rows[axis] * correction)) / sigma
         total = total + np.where(use, innovation, 0.0)
         count = count + np.where(use, 1.0, 0.0)
-        level_ = raised(level_, total, count, limit)
+        level_ = raised(level_, total, count, least, limit)
         correction, upper, _ = kalman.update(
             correction, upper, rows[axis], level_ * sigma * sigma, residuals[axis], use
         )
@@ -147,12 +149,14 @@ def field_updates(correction, upper, rows, residuals, variance, use, misfit, lim
     return correction, upper, np.where(changed, 0.0, np.stack([*totals, count]))
 
 
-def raised(level_, total, count, limit):
+def raised(level_, total, count, least, limit):
     """Noise level at which the sum of ``count`` white innovations of unit level is at most ``limit`` sigma.
 
-    What does not fit is evidence against the noise level, not against the measurement: the opposite of a gate.
+    What does not fit is evidence against the noise level, not against the measurement: the opposite of a gate. Fewer
+    innovations than ``least`` are taken for as many: what comes and goes at once, as a gust along does, which the
+    airspeed shows and the force does not, is no evidence of noise that lasts.
     """
-    return np.maximum(level_, total * total / (np.maximum(count, 1.0) * limit * limit))
+    return np.maximum(level_, total * total / (np.maximum(count, least) * limit * limit))
 
 
 def learned(learning, gain, floor):

@@ -179,7 +179,8 @@ class Reference:
             if use:
                 self.sums[axis] += (residuals[axis] - rows[axis] @ correction) / sigma
                 self.counts[axis] += 1
-                self.level[axis] = max(self.level[axis], (self.sums[axis] / p["tilt_limit"]) ** 2 / self.counts[axis])
+                count = max(self.counts[axis], p["tilt_window"] / p["aiding_period"] / 3)
+                self.level[axis] = max(self.level[axis], (self.sums[axis] / p["tilt_limit"]) ** 2 / count)
                 correction = self.update(rows[axis], self.level[axis] * sigma**2, residuals[axis], correction)
         return correction
 
