@@ -332,9 +332,16 @@ def _whole(signal: Signal) -> str:
     return f"{component}.{names.bundle(variable) or variable}"
 
 
+def _dated(signal: Signal, among: Sequence[tuple[Signal, Signal]]) -> bool:
+    """Whether a signal belongs to a bundle whose time of validity goes the same way: it says itself how old it is."""
+    component, variable = signal.key
+    bundle = names.bundle(variable)
+    return bool(bundle) and any(s.key == (component, f"{bundle}.time_of_validity") for s, _ in among)
+
+
 def _notes(cut: Sequence[tuple[Signal, Signal]], algorithm: str, useless: Mapping[str, str]) -> Iterable[str]:
-    if cut and algorithm == "gauss_seidel":
-        where = ", ".join(dict.fromkeys(f"{_whole(s)} -> {_whole(t)}" for s, t in cut))
-        yield f"the system has cycles; one communication step late: {where}"
+    late = dict.fromkeys(f"{_whole(s)} -> {_whole(t)}" for s, t in cut if not _dated(s, cut))
+    if late and algorithm == "gauss_seidel":
+        yield f"the system has cycles; one communication step late: {', '.join(late)}"
     for fault, why in useless.items():
         yield f"fault '{fault}' {why}: it cannot act"
