@@ -32,6 +32,8 @@ STEEP = 75.0
 """Dip of the magnetic field above which the heading may be worse, deg."""
 HONEST = {"heading": (0.7, 1.3), "roll": (0.5, 1.5), "pitch": (0.5, 1.5)}
 """Bounds of the mean normalised squared error of an angle."""
+NEES = (1.4, 2.6)
+"""The same of a position, which has two components."""
 INSIDE, WITHIN = 98.5, 95.0
 """Of the time, in percent, that heading and position shall be within their own three sigma."""
 HEADING_RMS, STEEP_RMS = 1.6, 2.6
@@ -121,14 +123,17 @@ class Judged:
                 Claim(f"{title}: the {name} is not overcautious (NEES)", nees, least, True, "",
                       f"{title}: the {name} is overcautious (NEES)"),
             ]  # fmt: skip
-        return claims + [
-            Claim(
-                f"{title}, {VARIANTS[v]}: the position is within the navigator's own 3 sigma", p.inside.value, WITHIN,
-                unit="%", opposite=f"{title}, {VARIANTS[v]}: the position is outside of the navigator's own 3 sigma "
-                "too often",
-            )
-            for v, p in self.positions.items()
-        ]  # fmt: skip
+        for v, p in self.positions.items():
+            who = f"{title}, {VARIANTS[v]}: the position"
+            claims += [
+                Claim(f"{who} is within the navigator's own 3 sigma", p.inside.value, WITHIN, unit="%",
+                      opposite=f"{who} is outside of the navigator's own 3 sigma too often"),
+                Claim(f"{who} is not overconfident (NEES)", p.nees.value, NEES[1], False, "",
+                      f"{who} is overconfident (NEES)"),
+                Claim(f"{who} is not overcautious (NEES)", p.nees.value, NEES[0], True, "",
+                      f"{who} is overcautious (NEES)"),
+            ]  # fmt: skip
+        return claims
 
     def attitude_row(self) -> list[str]:
         """What SHOWN names."""

@@ -87,6 +87,8 @@ def _bars(axis, values: Mapping[str, Mapping], honest: float, kinds: Sequence[st
     axis.axhline(1.0, color=GREY, lw=1)
     axis.axhspan(0.5, 1.5, color=GREY, alpha=0.1, label="0.5 to 1.5")
     axis.set_ylim(0.0, None)
-    axis.set_xticks(places, [name.replace("_in_", "\nin ") for name in values], rotation=30, ha="right")
+    axis.set_xticks(
+        places, [name.replace("_in_", "\nin ").replace("_", " ") for name in values], rotation=30, ha="right"
+    )
     axis.set_ylabel("normalised squared error (1: honest)")
     axis.legend(fontsize=8)

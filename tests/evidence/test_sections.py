@@ -156,7 +156,7 @@ def test_step_sizes_claims_the_systems_own_step_only_if_it_is_good_enough():
 
 def flown(
     error: float = 100.0,
-    sigma: float = 100.0,
+    sigma: float = 100.0 / np.sqrt(2.0),
     attitude: float = 1.0,
     consistent: float = 97.0,
     correlation: float = 0.0,
@@ -188,6 +188,8 @@ def test_recorded_flights_say_whether_the_filters_know_their_error():
     for wrong, told in (
         ({"consistent": 60.0}, "position is outside of the navigator's own 3 sigma"),
         ({"attitude": 1.5}, "the heading is overconfident"),
+        ({"sigma": 50.0}, "the position is overconfident"),
+        ({"sigma": 100.0}, "the position is overcautious"),
         ({"attitude": 0.5}, "the roll is overcautious"),
         ({"attitude": 4.0}, "the heading is outside of its own 3 sigma"),
     ):
