@@ -64,7 +64,7 @@ class Ahrs(Component):
         duration=300.0,
         step=0.05,
         inputs=examples.ahrs_inputs,
-        shows=("gyro_bias", "heading_sigma", "tilt_noise"),
+        shows=("gyro_bias", "attitude.heading_sigma", "tilt_noise"),
         panels=examples.ahrs_panels,
     )
 
@@ -290,7 +290,6 @@ class Ahrs(Component):
     hard_iron = Output(3, "1", description="estimated hard iron over the strength of the field, body axes")
     dip = Output("rad", display_unit="deg", description="estimated dip of the field, positive down")
     local_declination = Output("rad", display_unit="deg", description="magnetic declination in use, east positive")
-    heading_sigma = Output("rad", display_unit="deg", description="standard deviation of heading, as in attitude")
     tilt_noise = Output(
         2, "rad", display_unit="deg", description="learned noise of roll and pitch from one mean specific force"
     )
@@ -500,5 +499,4 @@ class Ahrs(Component):
         uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
         unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
         self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
-        self.heading_sigma = self.sigmas[2]
         self.tilt_noise = sigma * np.sqrt(self.tilt_level)

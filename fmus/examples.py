@@ -34,7 +34,7 @@ def _turning_flight(time: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def ahrs_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
-    """Readings of an automotive IMU with a bias of 0.15 deg/s about the roll axis, of a magnetometer, and airspeed."""
+    """Readings of an automotive IMU with biases of 0.15 and -0.1 deg/s, of a magnetometer, airspeed and position."""
     flight = _turning_flight(time)
     rng = np.random.default_rng(1)
     sine, cosine = np.sin(flight["roll"]), np.cos(flight["roll"])
@@ -49,6 +49,10 @@ def ahrs_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         "imu.specific_force": force + 0.01 * rng.standard_normal(force.shape),
         "field.field_b": field_n @ matrices + 2e-7 * rng.standard_normal(rate.shape),
         "air.true_airspeed": np.full_like(time, SPEED),
+        **{
+            f"position.{n}": np.full_like(time, v)
+            for n, v in zip(("latitude", "longitude", "altitude"), HERE, strict=True)
+        },
     }
 
 

@@ -8,6 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
+from fmus.ahrs import Ahrs
 from navfmu import NavfmuError
 from navfmu.export import Example, toolchain
 from navfmu.export.build import build, library, prepare
@@ -116,6 +117,15 @@ def test_the_page_of_a_python_twin_says_that_it_needs_python():
 @pytest.mark.parametrize("name", sorted(built.components()))
 def test_every_shipped_component_says_what_its_picture_shows(name):
     assert len(built.components()[name].example.text) > 40
+
+
+def test_the_example_of_the_ahrs_follows_the_truth_as_its_page_says():
+    """A field of Livermore and a position on the equator were drawn as an error of 17 degrees below the sentence that
+    the angles follow the truth."""
+    panels = dict(run(Ahrs, Ahrs.example).panels)
+    (error,) = [curves for title, curves in panels.items() if title.startswith("error of the angles")]
+    for name, values in error.items():
+        assert np.nanmax(np.abs(values[len(values) // 2 :])) < 3.0, name
 
 
 def test_a_response_that_runs_away_is_drawn():
