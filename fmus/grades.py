@@ -81,6 +81,14 @@ The difference of pressures has a calibration of its own: 2 % of it is 1 % of th
 (the recording of a small aircraft at hand has 3 % and -20 Pa). The temperature probe is within 1 K (own choice).
 """
 
+CRUSTAL_LENGTH = 10.0e3
+"""Distance over which the crustal anomaly is correlated, m.
+
+Waves of more than 300 km, degrees 13 to 133 of the high-resolution model WMMHR2025, are 35, 31 and 45 nT of the 137, 89
+and 141 nT that the WMM2025 leaves out on the ground: 9 % of the variance. Of a Gauss-Markov process of length L it is
+2 / pi atan(2 pi L / 300 km), so L is 7 km. The shortest waves do not reach an aircraft, so some km more.
+"""
+
 FIELD = 480.0 * MILLIGAUSS
 """Strength of Earth's field in middle latitudes, T."""
 EARTH_RATE_SEEN = 10.0 * DEG_PER_HOUR

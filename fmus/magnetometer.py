@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus.grades import MAGNETOMETER
-from models import attitude, magnetic_field, magnetometer
+from fmus.grades import CRUSTAL_LENGTH, MAGNETOMETER
+from models import attitude, earth, gauss_markov, magnetic_field, magnetometer
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 
 class Magnetometer(Component):
-    """Strapdown magnetometer triad in Earth's field (World Magnetic Model 2025).
+    """Strapdown magnetometer triad in Earth's field: World Magnetic Model 2025 and a crustal anomaly.
 
     The field in n at the true position and the date is the WMM2025, a spherical harmonic series of degree 12 valid from
-    2025.0 to 2030.0; it is computed every field_period (it changes by some 5 nT per km) and turned to body axes with
-    the true attitude at every sample. The triad makes of it, thesis (3.28), p. 58,
+    2025.0 to 2030.0, and an anomaly; it is computed every field_period (it changes by some 5 nT per km) and turned to
+    body axes with the true attitude at every sample. The anomaly, what rocks of the crust and currents above add to a
+    series that ends at waves of 3300 km, is on each axis of n a first-order Gauss-Markov process over the distance
+    flown, with the standard deviations of the WMM2025's error model: 95 to 165 nT north and east, so that the
+    declination is off by sqrt(0.26^2 + (5417 nT / H)^2) degrees in a horizontal field H, and 141 nT down. It has no
+    map: the same place, flown over twice, has two anomalies. The triad makes of the field, thesis (3.28), p. 58,
 
         B_m = C_m C_sf C_si (B^b + dB^b) + noise
 
@@ -47,6 +51,20 @@ class Magnetometer(Component):
         3, "T", display_unit="mG", fault=True, description="fault: change of the hard iron field, body axes"
     )
 
+    crustal_level = Parameter(
+        "1",
+        start=1.0,
+        min=0.0,
+        max=10.0,
+        description="crustal anomaly over the error model of the WMM2025, which holds on the ground; 0 for none",
+    )
+    crustal_length = Parameter(
+        "m",
+        start=CRUSTAL_LENGTH,
+        min=100.0,
+        display_unit="km",
+        description="distance over which the crustal anomaly is correlated",
+    )
     date = Parameter("1", start=2026.0, description="date in decimal years, 2025.0 to 2030.0 (validity of the WMM2025)")
     hard_iron = Parameter(
         3, "T", start=0.0, display_unit="mG", description="given part of the hard iron field, dB^b of thesis (3.28)"
@@ -127,6 +145,8 @@ class Magnetometer(Component):
     )
 
     field_n = State(3, "T", description="Earth's field, north, east, down")
+    crust = State(3, "1", description="crustal anomaly over its standard deviation, north, east, down")
+    place_e = State(3, "m", description="where the field was computed last, earth-centred axes")
     field_known = State(kind="boolean", description="the field has been computed")
     hard_iron_b = State(3, "T", description="hard iron after turn-on")
     distortion = State((3, 3), "1", description="C_m C_sf C_si")
@@ -137,17 +157,24 @@ class Magnetometer(Component):
 
     @start
     def turn_on(self, noise):
-        n = noise(18)
+        n = noise(21)
         self.hard_iron_b = self.hard_iron + self.hard_iron_sigma * n[0:3]
         self.distortion = magnetometer.distortion(
             self.soft_iron + self.soft_iron_sigma * n[3:12].reshape(3, 3),
             self.scale_factor + self.scale_factor_sigma * n[12:15],
             self.misalignment + self.misalignment_sigma * n[15:18],
         )
+        self.crust = gauss_markov.stationary(1.0, n[18:21])
 
     @every("field_period")
-    def compute_field(self):
-        self.field_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
+    def compute_field(self, noise):
+        place_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
+        flown = np.where(self.field_known, np.sqrt(np.sum((place_e - self.place_e) ** 2)), 0.0)
+        phi = gauss_markov.decay(flown, self.crustal_length)
+        self.crust = gauss_markov.advance(self.crust, phi, gauss_markov.drive(1.0, phi), noise(3))
+        model_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
+        self.field_n = model_n + self.crustal_level * magnetic_field.left_out(model_n) * self.crust
+        self.place_e = place_e
         self.field_known = True
 
     @every("sample_period")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -21,7 +22,8 @@ from navfmu.system import shipped
 from navfmu.system.system import System
 from system_ssp.backup_navigator.system import source
 
-SEEDS = range(1, 11)
+SEEDS = 10
+"""Seeds for each flight."""
 LOST = 300.0
 """Time at which GPS is lost, s, for the rest of the flight."""
 VARIANTS = {"main": "one receiver", "two_receivers": "two receivers", "scanning": "scanning receiver"}
@@ -53,6 +55,11 @@ class Flown:
     runs: dict[str, list[pd.DataFrame]]
 
     @property
+    def seeds(self) -> range:
+        """With which it was flown, in the order of ``runs``."""
+        return seeds(self.name)
+
+    @property
     def title(self) -> str:
         return self.name.replace("_", " ").capitalize()
 
@@ -60,6 +67,13 @@ class Flown:
     def has_stations(self) -> bool:
         """Whether there are any ranges to navigate with."""
         return bool(self.chosen)
+
+
+def seeds(name: str) -> range:
+    """Those of a flight follow from its name: each flight has errors of its own at turn-on, so that the figures of two
+    flights are independent, and they do not depend on which others are flown."""
+    first = SEEDS * (zlib.crc32(name.encode()) % 100_000) + 1
+    return range(first, first + SEEDS)
 
 
 def fly(name: str, file: Path, stations: pd.DataFrame, out: Path, progress: Callable[[int, str], None]) -> Flown:
@@ -87,7 +101,7 @@ def fly(name: str, file: Path, stations: pd.DataFrame, out: Path, progress: Call
 
     flown = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for done, runs in enumerate(pool.map(one, SEEDS), 1):
+        for done, runs in enumerate(pool.map(one, seeds(name)), 1):
             flown.append(runs)
             progress(done, f"flying {name}")
     by_variant = dict(zip(loaded, map(list, zip(*flown, strict=True)), strict=True))

@@ -48,7 +48,7 @@ def of_flight(flown: Flown) -> bytes:
             error.plot(time, most, color=colour, lw=0.7, ls="--", label="95th percentile")
         error.axhline(926.0, color=GREY, lw=1)
         error.axvline(LOST / 60.0, color=GREY, lw=1, ls=":")
-        error.set_title(f"Horizontal error without GPS from minute {LOST / 60:.0f} on, {len(SEEDS)} seeds")
+        error.set_title(f"Horizontal error without GPS from minute {LOST / 60:.0f} on, {SEEDS} seeds")
         error.set_xlabel("time, min")
         error.set_ylabel("m")
         error.legend(fontsize=8)

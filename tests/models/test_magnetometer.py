@@ -5,14 +5,15 @@ import pygeomag
 import pytest
 from scipy import stats
 
-from fmus.grades import MAGNETOMETER
+from fmus.grades import CRUSTAL_LENGTH, MAGNETOMETER
 from fmus.magnetometer import Magnetometer
-from models import attitude, magnetic_field, magnetometer
+from models import attitude, earth, magnetic_field, magnetometer
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
 MG = 1e-7
-CALIBRATED = {"soft_iron_sigma": 0.0, "scale_factor_sigma": 0.0, "misalignment_sigma": 0.0}
+PLAIN = {"crustal_level": 0.0}
+CALIBRATED = {**PLAIN, "soft_iron_sigma": 0.0, "scale_factor_sigma": 0.0, "misalignment_sigma": 0.0}
 QUIET = {**CALIBRATED, "hard_iron_sigma": 0.0, "noise_sigma": 0.0}
 PLACE = {"latitude": 0.6583, "longitude": -2.1225, "altitude": 1500.0}
 
@@ -43,6 +44,20 @@ def test_the_error_of_the_declination_is_that_of_the_models_error_model(referenc
         field = magnetic_field.field(np.radians(latitude), np.radians(longitude), 1500.0, 2026.0)
         expected = r.calculate_uncertainty().d
         assert np.degrees(magnetic_field.declination_sigma(field)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_the_model_leaves_out_agrees_with_the_other_figures_of_its_error_model(reference):
+    """Drawn are the errors of declination and down; those of horizontal field and strength follow from them."""
+    for latitude, longitude in ((37.7, -121.8), (45.0, 10.0), (-33.9, 151.2), (49.2, -123.2)):
+        r = reference.calculate(glat=latitude, glon=longitude, alt=1.5, time=2026.0)
+        told = r.calculate_uncertainty()
+        field = reference_field(reference, *np.radians([latitude, longitude]), 1500.0, 2026.0)
+        north, east, down = magnetic_field.left_out(field) * 1e9
+        assert north == east and down == pytest.approx(told.z, rel=1e-12)
+        assert north == pytest.approx(told.h, rel=1 / 6)
+        dip = np.radians(r.i)
+        assert np.hypot(north * np.cos(dip), down * np.sin(dip)) == pytest.approx(told.f, rel=1 / 6)
+        assert told.y < north < 1.1 * told.x
 
 
 def test_field_is_regular_at_the_poles():
@@ -144,7 +159,7 @@ def test_the_distortion_left_by_the_calibration_has_its_sigma(tmp_path):
     truth = np.stack([attitude.dcm(*angles).T @ truth_n for angles in attitudes], axis=1)
     left = []
     for seed in range(400):
-        quiet = {"hard_iron_sigma": 0.0, "noise_sigma": 0.0, "seed": seed}
+        quiet = {**PLAIN, "hard_iron_sigma": 0.0, "noise_sigma": 0.0, "seed": seed}
         measured = []
         for angles in attitudes:
             place = {**PLACE, **dict(zip(("roll", "pitch", "heading"), angles, strict=True))}
@@ -164,6 +179,72 @@ def test_the_distortion_left_by_the_calibration_has_its_sigma(tmp_path):
     turn = (left[:, 0, 1] - left[:, 1, 0]) / 2.0
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 400) / 400
     assert low < np.mean(turn**2) / (turned**2 + soft**2 / 2.0) < high
+
+
+def fly(native, seed, speed, longitude, count):
+    """The anomaly over its standard deviation before and after a flight to the east: shape (2, 3)."""
+    across = earth.radii(PLACE["latitude"])[1] + PLACE["altitude"]
+    rate = speed / across / np.cos(PLACE["latitude"])
+
+    def place(t):
+        return {**PLACE, "longitude": attitude.wrap(longitude + rate * t)}
+
+    period = 1000.0 / speed
+    values = {**QUIET, "crustal_level": 1.0, "field_period": period, "sample_period": 10.0, "seed": seed}
+    run = native.run((count + 1) * period, period, ["field_n"], values, place)["field_n"][[1, -1]]
+    left = []
+    for k, field_n in ((0, run[0]), (count, run[1])):
+        # inputs are those of the begin of a step
+        here = place(k * period)
+        truth = magnetic_field.field(here["latitude"], here["longitude"], here["altitude"], 2026.0)
+        left.append((field_n - truth) / magnetic_field.left_out(truth))
+    return np.array(left)
+
+
+@pytest.mark.parametrize(("speed", "longitude"), [(50.0, 0.3), (200.0, np.pi - 1e-4)])
+def test_the_crustal_anomaly_is_correlated_over_the_distance_flown(tmp_path, speed, longitude):
+    """400 flights of 10 km at two speeds, one over the date line: variance 1 before and after, correlation exp(-1) on
+    each axis, none between axes. Bounds at 1e-6.
+
+    What is correlated over time has another correlation at one of the speeds; a distance from differences of longitude
+    has none over the date line, or too much without cos(latitude).
+    """
+    native, count = Native(Magnetometer, tmp_path), 400
+    runs = np.array([fly(native, seed, speed, longitude, 10) for seed in range(count)])
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], count) / count
+    variance = np.mean(runs**2, axis=0)
+    assert low < np.min(variance) and np.max(variance) < high
+    assert np.max(np.abs(np.mean(runs, axis=0))) < 4.9 / np.sqrt(count)
+    bound = 4.9 / np.sqrt(count - 3)
+    together = np.corrcoef(runs.reshape(count, 6).T)
+    for a in range(6):
+        for b in range(a):
+            expected = np.exp(-1.0) if a - b == 3 else 0.0
+            assert abs(np.arctanh(together[a, b]) - np.arctanh(expected)) < bound
+
+
+def test_the_crustal_anomaly_of_an_aircraft_that_stands_does_not_change():
+    run = interpret(Magnetometer, **{**QUIET, "crustal_level": 1.0}, **PLACE)
+    run.do_step(0.0, 1.0)
+    first = run.get("field_n")
+    run.do_step(1.0, 60.0)
+    np.testing.assert_array_equal(run.get("field_n"), first)
+    assert np.linalg.norm(first - magnetic_field.field(*PLACE.values(), 2026.0)) > 10e-9
+
+
+def test_the_crustal_length_leaves_to_long_waves_what_the_high_resolution_model_finds_in_them(reference):
+    """Of degrees 13 to 133, waves beyond 300 km: the share of a Gauss-Markov process with the length is 2 / pi
+    atan(2 pi L / 300 km), and that length is the least, for the aircraft is above the ground."""
+    fine = pygeomag.GeoMag(coefficients_file="wmm/WMMHR_2025.COF", high_resolution=True)
+    rng, squares = np.random.default_rng(3), []
+    for _ in range(200):
+        place = {"glat": np.degrees(np.arcsin(rng.uniform(-1, 1))), "glon": rng.uniform(-180, 180), "alt": 0.0}
+        a, b = (model.calculate(**place, time=2026.0) for model in (fine, reference))
+        squares.append((a.x - b.x) ** 2 + (a.y - b.y) ** 2 + (a.z - b.z) ** 2)
+    told = b.calculate_uncertainty()
+    share = np.mean(squares) / (told.x**2 + told.y**2 + told.z**2)
+    least = 300e3 / (2.0 * np.pi) * np.tan(0.5 * np.pi * share)
+    assert 0.5 * CRUSTAL_LENGTH < least < CRUSTAL_LENGTH
 
 
 @pytest.mark.parametrize("date", [2024.9, 2030.1])
