@@ -39,8 +39,10 @@ HALF, MOST = 500.0, 926.0
 SHARE, SAMPLES, PRINTED = 95.0, 98.9, 10.0
 """Bounds of the share inside 3 sigma, %: of the flights at every time, of all samples, of those of (6.40) as printed.
 
-An honest filter has 99.46 % of its flights inside at any time: of 100 more than 5 are outside with a probability of
-2e-5. The shares of single flights scatter by 1.4 %, so that of 100 flights together is above 98.9 with a probability of
+An honest filter has 99.46 % of its flights inside at any time: of 100 more than 5 are outside at a given time with a
+probability of 2e-5, and at some time of the half hour with 0.4 to 1.1 %, as a flight is outside for 7 to 20 s at a
+stretch (300 other flights of each receiver, 100 drawn again and again, shifted in time against one another).
+The shares of single flights scatter by 1.4 %, so that of 100 flights together is above 98.9 with a probability of
 1 - 3e-5; 99.5 would be beyond an honest filter more often than not. Of one flight's time no such bound holds, for
 errors live for minutes: where the wind is three sigma the best filter is outside for 5 % of a flight.
 """

@@ -29,7 +29,7 @@ HEADING = "Real flights"
 NORTH = 69.0
 """Latitude at which the moved flight begins, deg: dip 78 degrees."""
 STEEP = 75.0
-"""Dip of the magnetic field above which the heading may be worse, deg."""
+"""Size of the dip of the magnetic field above which the heading may be worse, deg."""
 HONEST = {"heading": (0.7, 1.3), "roll": (0.5, 1.5), "pitch": (0.5, 1.5)}
 """Bounds of the mean normalised squared error of an angle."""
 NEES = (1.4, 2.6)
@@ -106,7 +106,7 @@ class Judged:
     def claims(self) -> list[Claim]:
         """The navigator knows how wrong it is, on flights that nobody made for it."""
         title, heading = self.flown.title, self.angles["heading"]
-        steep = dip(self.flown.track) > STEEP
+        steep = abs(dip(self.flown.track)) > STEEP
         claims = [
             Claim(
                 f"{title}: the heading is within its own 3 sigma", heading.inside.value, INSIDE, unit="%",
@@ -212,6 +212,8 @@ def titles(judged: Sequence[Judged]) -> tuple[str, str]:
 
 
 def _title(what: str, claims: Sequence[Claim]) -> str:
+    if not claims:
+        return f"{what}: not judged on any flight"
     held = sum(claim.holds for claim in claims)
     return (
         f"{what}: as wrong as it says on every flight"

@@ -45,7 +45,7 @@ class Aircraft(Component):
             The aircraft is flown so: bank, heading and pitch belong to it.
     gusts   g of the Dryden form, MIL-F-8785C, with the intensity gust_sigma and the length gust_length, in axes along
             the planned track. The aircraft keeps its attitude and is carried: e'' = Z (g - e') - (Z / hold_time) e
-            with Z = rho V C_L_alpha g / (2 wing_loading) vertically, with side_force_slope in place of C_L_alpha
+            with Z = rho V C_L_alpha g_0 / (2 wing_loading) vertically, with side_force_slope in place of C_L_alpha
             horizontally, rho and V those of t = 0. The pilot holds the path with bank and climb.
 
     Position is integrated by Simpson's rule over the radii of curvature at that place. With W the wind as the pilot is
@@ -188,7 +188,7 @@ class Aircraft(Component):
         min=0.0,
         max=30.0,
         display_unit="kn",
-        description="intensity of the gusts along, across and down; light turbulence of MIL-F-8785C: 5 ft/s",
+        description="intensity of the gusts along, across and down: 5 ft/s; light turbulence of MIL-F-8785C has 7 ft/s",
     )
     gust_length = Parameter(
         "m", start=533.4, min=1.0, max=1e5, display_unit="ft", description="scale of turbulence, MIL-F-8785C: 1750 ft"

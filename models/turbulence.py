@@ -6,13 +6,14 @@ aircraft of the airspeed V meets, with tau = L / V and white noise eta of the sp
     along     sigma / (1 + tau s) eta                                                                             (1)
     across    sigma / sqrt(2) (1 + sqrt(3) tau s) / (1 + tau s)^2 eta,  and likewise down                         (2)
 
-Above 2000 ft L is 1750 ft (533 m) on all axes, and sigma 5, 10 and 20 ft/s are exceeded with probabilities of some 1e-2
-(light), 1e-3 (moderate) and 1e-5 (severe), figure 7 there.
+Above 2000 ft L is 1750 ft (533 m) on all axes, and sigma is read from figure 7 there by how often it is exceeded: from
+2000 to 10000 ft it is some 7 ft/s at 1e-2 (light), 10 at 1e-3 (moderate) and 23 at 1e-5 (severe); 5 ft/s lie between
+1e-1 and 1e-2.
 
 An aircraft that keeps its attitude gets from the air moving past it the specific force Z (g - c) on each axis, where
-g is the gust and c its own deviation from the velocity of before; with the weight G and the wing area S
+g is the gust and c its own deviation from the velocity of before; with the weight G = m g_0 and the wing area S
 
-    Z_down = rho V C_L_alpha g / (2 G/S),    Z_across = rho V C_Y_beta g / (2 G/S)                                (3)
+    Z_down = rho V C_L_alpha g_0 / (2 G/S),    Z_across = -rho V C_Y_beta g_0 / (2 G/S)                           (3)
 
 The pilot, who steers back to the path with the time constant T, adds -(Z / T) e, e the integral of c:
 

@@ -160,6 +160,9 @@ def flown(
     attitude: float = 1.0,
     consistent: float = 97.0,
     correlation: float = 0.0,
+    latitude: float = 0.7,
+    longitude: float = 0.1,
+    stations: tuple[int, ...] = (0, 1),
 ) -> Flown:
     """A flight of 1000 s with three seeds; ``attitude`` is the error of all angles over their sigma of 1 deg."""
     time = np.arange(0.0, 1001.0)
@@ -179,8 +182,9 @@ def flown(
         columns |= {f"aircraft.{angle}": 0.3, f"ahrs.attitude.{angle}_sigma": one}
         columns |= {f"ahrs.attitude.{angle}": 0.3 + attitude * one * (-1.0) ** np.arange(len(time))}
     run = pd.DataFrame(columns, index=time)
-    track = {"time": time, "latitude": 0.7 + 0.0 * time, "longitude": 0.1 + 0.0 * time, "altitude": 3000.0 + 0.0 * time}
-    return Flown("made", None, track, None, [0, 1], {variant: [run] * 3 for variant in VARIANTS})
+    where = {"latitude": latitude, "longitude": longitude, "altitude": 3000.0}
+    track = {"time": time} | {name: value + 0.0 * time for name, value in where.items()}
+    return Flown("made", None, track, None, list(stations), {variant: [run] * 3 for variant in VARIANTS})
 
 
 def test_recorded_flights_say_whether_the_filters_know_their_error():
@@ -198,6 +202,19 @@ def test_recorded_flights_say_whether_the_filters_know_their_error():
     attitude, position = real_flights.titles([real_flights.Judged(flown(attitude=1.5))])
     assert attitude == "Attitude: 4 of 7 claims on its sigmas hold"
     assert position == "Position without GPS: as wrong as it says on every flight"
+
+
+def test_nothing_is_said_of_positions_that_were_not_judged():
+    alone = real_flights.Judged(flown(stations=()))
+    assert real_flights.titles([alone])[1] == "Position without GPS: not judged on any flight"
+    assert "Position without GPS: not judged on any flight" in real_flights.document([alone])
+
+
+@pytest.mark.parametrize(("latitude", "longitude"), [(1.3, -1.6), (-1.2, 2.4)], ids=["north", "south"])
+def test_the_field_is_steep_near_both_of_its_poles(latitude, longitude):
+    """The dip is negative in the south; beyond 75 degrees either way the heading may be wrong by 2.6 degrees."""
+    claims = real_flights.Judged(flown(attitude=2.0, latitude=latitude, longitude=longitude)).claims()
+    assert [claim.bound for claim in claims if "the heading's error" in claim.text] == [2.6]
 
 
 def test_figures_of_recorded_flights_are_those_that_can_be_said_beforehand():
