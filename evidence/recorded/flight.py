@@ -112,12 +112,18 @@ def moved(file: Path, latitude: float, out: Path) -> Path:
     """Write a recording that begins at another latitude, deg: the same distances flown, in another magnetic field."""
     table = pd.read_csv(file)
     north = table["latitude_deg"] - table["latitude_deg"].iloc[0]
-    east = table["longitude_deg"] - table["longitude_deg"].iloc[0]
+    first = table["longitude_deg"].iloc[0]
+    east = _wrap(table["longitude_deg"] - first)
     scale = np.cos(np.radians(table["latitude_deg"])) / np.cos(np.radians(latitude + north))
-    table["latitude_deg"], table["longitude_deg"] = latitude + north, table["longitude_deg"].iloc[0] + east * scale
+    table["latitude_deg"], table["longitude_deg"] = latitude + north, _wrap(first + east * scale)
     out.parent.mkdir(parents=True, exist_ok=True)
     table.to_csv(out, index=False)
     return out
+
+
+def _wrap(degrees):
+    """Degrees from -180 to 180."""
+    return (degrees + 180.0) % 360.0 - 180.0
 
 
 def dip(track: dict[str, np.ndarray]) -> float:

@@ -241,13 +241,17 @@ def test_a_mean_over_seeds_has_the_interval_of_students_t():
     assert mean.half == pytest.approx(4.302653 / np.sqrt(3.0), rel=1e-6)
 
 
-def test_a_moved_flight_flies_the_same_distances(tmp_path):
-    table = pd.DataFrame({"time_s": [0, 60], "latitude_deg": [40.0, 40.2], "longitude_deg": [5.0, 5.5]})
+@pytest.mark.parametrize(("first", "last"), [(5.0, 5.5), (179.9, -179.6), (-179.8, 179.7), (179.4, 179.9)])
+def test_a_moved_flight_flies_the_same_distances(first, last, tmp_path):
+    """Over the date line, too, as recorded or where it is moved to: longitudes stay from -180 to 180."""
+    table = pd.DataFrame({"time_s": [0, 60], "latitude_deg": [40.0, 40.2], "longitude_deg": [first, last]})
     table.to_csv(tmp_path / "flight.csv", index=False)
     there = pd.read_csv(moved(tmp_path / "flight.csv", 70.0, tmp_path / "there.csv"))
     assert there["latitude_deg"].tolist() == pytest.approx([70.0, 70.2])
-    east = (there["longitude_deg"][1] - 5.0) * np.cos(np.radians(70.2))
-    assert east == pytest.approx(0.5 * np.cos(np.radians(40.2)))
+    assert np.max(np.abs(there["longitude_deg"])) <= 180.0
+    east = np.remainder(there["longitude_deg"][1] - first + 180.0, 360.0) - 180.0
+    flown_east = np.remainder(last - first + 180.0, 360.0) - 180.0
+    assert east * np.cos(np.radians(70.2)) == pytest.approx(flown_east * np.cos(np.radians(40.2)))
 
 
 def test_speed_tells_what_is_compared():
