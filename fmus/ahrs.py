@@ -180,14 +180,14 @@ class Ahrs(Component):
         description="the least that is believed of it later on",
     )
     tilt_window = Parameter(
-        "s", start=30.0, min=0.001, description="time over which innovations are summed to learn the noise of the tilt"
+        "s", start=60.0, min=0.001, description="time over which innovations are summed to learn the noise of the tilt"
     )
     tilt_time = Parameter(
         "s", start=600.0, min=0.01, description="time constant with which the noise of the tilt is learned"
     )
     tilt_limit = Parameter(
         "1",
-        start=3.0,
+        start=2.5,
         min=1.0,
         description="sigmas beyond which a sum of innovations, of a third of the window or more, raises the noise",
     )
@@ -239,6 +239,9 @@ class Ahrs(Component):
         min=1.0e-6,
         description="error of each component of the direction of a field sample: noise of 1 to 5 mG (thesis Table "
         "3.3), soft iron",
+    )
+    field_window = Parameter(
+        "s", start=30.0, min=0.001, description="time over which innovations of the field are summed to find a jump"
     )
     field_limit = Parameter(
         "1",
@@ -484,7 +487,8 @@ class Ahrs(Component):
         self.tilt_level = np.where(begin, 1.0, levels)
         self.innovation_sum = np.where(over_again, 0.0, learning[1])
         self.innovation_count = np.where(over_again, 0.0, learning[2])
-        self.field_misfit = np.where(over_again, 0.0, misfit)
+        summed = misfit[3] * self.period >= self.field_window - 1.0e-6
+        self.field_misfit = np.where(summed | begin, 0.0, misfit)
         self.turn_sum = np.where(over_again, 0.0, turned)
         self.window_time = np.where(over_again, 0.0, window)
         kept = fresh & self.had_air & np.logical_not(changed)

@@ -126,9 +126,11 @@ class Reference:
                     seen = self.sums[axis] ** 2 / self.counts[axis]
                     gain = p["tilt_window"] / p["tilt_time"]
                     self.level[axis] = max(floor, (1 - gain) * self.level[axis] + gain * seen)
-            self.sums, self.counts, self.window, self.misfit = np.zeros(2), np.zeros(2), 0.0, np.zeros(4)
+            self.sums, self.counts, self.window = np.zeros(2), np.zeros(2), 0.0
         elif self.aligned:
             self.window += period
+        if self.misfit[3] * period >= p["field_window"] - 1e-6:
+            self.misfit[:] = 0.0
         if not (fresh and self.had_air and not changed):
             self.ahead = []
         self.rates, self.forces, self.sideways = [], [], []
