@@ -53,15 +53,18 @@ class Navigator(stations.StationTable, Component):
     *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
     `rejected`. The variant as printed has none.
 
-    *Doubt.* Ranges that are refused again and again are evidence against the state. A refusal counts as far as it is
-    news, 1 - exp(-dt / tau) with the time tau of the bias, and those of all stations whose last range was refused
-    add up. When they reach `patience`, either these stations or the filter are wrong. The stations are, if they are
-    fewer than those whose ranges are used and these cross well (dilution at most `dilution_limit`); and so is a
-    single one, whatever the others, that was refused when its range jumped by more than bias and aircraft can have
-    changed since it was last heard: it is not used until it jumps again or GPS is back
-    (`astray`). Otherwise dead reckoning is: `doubted` stays true until GPS is back, position gets what its variance
-    lacks of the refused innovation's square, and the air velocity counts as little as if it were missing, but keeps its
-    correlation times.
+    *Doubt.* Heading and airspeed may be wrong by more than they say. So there are two of this filter, on the same
+    measurements: one believes them, to the other the error of the air velocity has that speed as its sigma (divided by
+    sqrt(2) along and across). The ranges tell which one is right: their likelihoods by either make the odds
+    (`log_odds`), from `prior` on and never below it, and the solution and its covariance are those of the mixture.
+    From odds of 1 / prior^2 on, or if an estimate is further from what its model expects than `estimate_limit` allows,
+    the first filter is no longer heard (`doubted`) until GPS is back.
+
+    A range that the first filter refuses counts as far as it is news, 1 - exp(-dt / tau) with the time tau of the bias.
+    One that the second refuses, too, widens its position, by what its variance lacks of the innovation's square,
+    as far as it is news. Neither is so while the station is outvoted: by more stations whose ranges are used and cross
+    well (dilution at most `dilution_limit`). A single station whose range jumps by more than bias and aircraft can have
+    changed since it was last heard is not used until it jumps again or GPS is back (`astray`).
 
     *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
     """
@@ -196,11 +199,19 @@ class Navigator(stations.StationTable, Component):
         description="stations whose ranges were used within this time count in `hdop` "
         "(own choice: five stations in turn, one every 15 s)",
     )
-    patience = Parameter(
+    prior = Parameter(
         "1",
-        start=2.0,
+        start=1.0e-3,
         min=0.0,
-        description="refused ranges, counted as far as they are news, that raise doubt (own choice)",
+        max=0.5,
+        description="probability, before any range tells, that heading or airspeed are wrong by more than they say; "
+        "0: they are believed whatever ranges say (own choice)",
+    )
+    estimate_limit = Parameter(
+        "1",
+        start=5.0,
+        min=0.0,
+        description="standard deviations of its own model beyond which an estimate contradicts it (own choice)",
     )
     dilution_limit = Parameter(
         "1",
@@ -240,26 +251,31 @@ class Navigator(stations.StationTable, Component):
     hdop = Output(
         "1", start=99.0, description="dilution of precision of the ranges used lately; 99: lines do not cross"
     )
-    doubted = Output(kind="boolean", description="ranges have contradicted dead reckoning since GPS was lost")
+    doubted = Output(kind="boolean", description="ranges have contradicted heading or airspeed since GPS was lost")
     rejected = Output(kind="integer", min=0, description="number of ranges that the innovation gate rejected")
     used = Output(kind="integer", min=0, description="number of ranges that corrected the solution")
 
-    latitude = State("rad", display_unit="deg", description="geodetic latitude")
-    longitude = State("rad", display_unit="deg", description="longitude")
+    latitude = State(2, "rad", display_unit="deg", description="geodetic latitude by either filter")
+    longitude = State(2, "rad", display_unit="deg", description="longitude by either filter")
     altitude = State("m", display_unit="ft", description="height above the ellipsoid")
     altitude_offset = State("m", description="altitude minus pressure altitude, learned from GPS")
     pressure_altitude = State("m", description="last pressure altitude")
     climb = State("m/s", description="filtered vertical speed, positive up")
-    wind = State(2, "m/s", description="wind: north, east")
-    air_error = State(2, "m/s", description="to be added to the measured air velocity: along the nose, across it")
-    range_bias = State(PLACES, "m", description="bias of each station's ranges")
-    modelled = State(STATES - 2, "1", description="standard deviations of wind, air_error and range_bias; m/s and m")
+    wind = State((2, 2), "m/s", description="wind of either filter: north, east")
+    air_error = State((2, 2), "m/s", description="to be added to the measured air velocity: along the nose, across")
+    range_bias = State((2, PLACES), "m", description="bias of each station's ranges")
+    modelled = State(
+        (2, STATES - 2), "1", description="standard deviations of wind, air_error and range_bias; m/s and m"
+    )
     airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
     nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
-    air_velocity = State(2, "m/s", description="velocity relative to the air: north, east; corrected")
-    covariance = State(
-        STATES * (STATES + 1) // 2, "1", description="upper triangle of the covariance of (6.24), row by row; m and m/s"
+    air_velocity = State((2, 2), "m/s", description="velocity relative to the air: north, east; corrected")
+    covariances = State(
+        (2, STATES * (STATES + 1) // 2),
+        "1",
+        description="of either filter the upper triangle of the covariance of (6.24), row by row; m and m/s",
     )
+    covariance = State(3, "m2", description="covariance of position: north, north with east, east")
     had_air = State(kind="boolean", description="air data and heading have been seen")
     initialised = State(kind="boolean", description="the first fix has been seen")
     fix_time = State("s", start=LONG_AGO, description="time of the last good fix")
@@ -267,33 +283,44 @@ class Navigator(stations.StationTable, Component):
     fix_good = State(kind="boolean", description="the last report of the receiver was a good fix")
     range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
     refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
-    refusals = State(PLACES, "1", description="ranges refused in a row, counted as far as they are news")
+    log_odds = State("1", description="logarithm of the odds that air data and heading are not to be believed")
     innovation = State(
-        PLACES, "m", description="each station's last range less what the solution now says, taken or not"
+        (2, PLACES), "m", description="each station's last range less what the solution now says, taken or not"
     )
     astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
 
     def error_model(self, speed, seen):
-        """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed``; ``seen``:
-        there are heading and airspeed."""
-        doubt = np.where(np.logical_and(seen, np.logical_not(self.doubted)), 0.0, self.top_speed())
-        along = np.hypot(self.airspeed_sigma, doubt)
-        across = np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)
-        bias_time = self.correlation_distance / np.maximum(speed, 1.0)
+        """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed`` of each
+        filter, shape (2, states); ``seen``: there are heading and airspeed."""
+        doubt = np.where(seen, np.array([0.0, np.sqrt(0.5)]), 1.0) * self.top_speed()
+        own = np.ones((2, 1))
         sigmas = np.concatenate(
             [
-                np.stack([self.wind_sigma, self.wind_sigma, along, across]),
-                self.bias_sigma * np.ones(PLACES),
-            ]
+                self.wind_sigma * np.ones((2, 2)),
+                np.hypot(self.airspeed_sigma, doubt)[:, None],
+                np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)[:, None],
+                self.bias_sigma * np.ones((2, PLACES)),
+            ],
+            -1,
         )
+        bias_time = self.correlation_distance / np.maximum(speed, 1.0)
         times = np.concatenate(
             [
-                np.stack([self.wind_time, self.wind_time]),
-                np.where(seen, np.stack([self.airspeed_time, self.heading_time]), self.blind_time),
-                bias_time * np.ones(PLACES),
-            ]
+                self.wind_time * np.ones((2, 2)),
+                own * np.where(seen, np.stack([self.airspeed_time, self.heading_time]), self.blind_time),
+                bias_time[:, None] * np.ones(PLACES),
+            ],
+            -1,
         )
         return sigmas, times
+
+    def least_odds(self):
+        """Logarithm of the odds before any range tells."""
+        return np.log(np.maximum(self.prior, 1.0e-300))
+
+    def doubt(self):
+        """Probability that air data and heading are not to be believed."""
+        return np.where(self.doubted, 1.0, 1.0 / (1.0 + np.exp(-self.log_odds)))
 
     def top_speed(self):
         """The faster of ground speed by the last fix and airspeed, m/s: GPS may have been lost before take-off."""
@@ -309,28 +336,28 @@ class Navigator(stations.StationTable, Component):
         step = self.period
         seen = np.logical_and(self.attitude.valid, self.air.valid)
         before = self.air_velocity + self.wind
-        sigmas, times = self.error_model(np.sqrt(np.sum(before * before)), seen)
+        sigmas, times = self.error_model(np.sqrt(np.sum(before * before, axis=-1)), seen)
         decay = np.exp(-step / times)
         factor, added = navigator.follow(self.modelled, sigmas, decay)
-        air_error = factor[2:4] * self.air_error
-        wind = self.wind_mean + factor[:2] * (self.wind - self.wind_mean)
+        air_error = factor[:, 2:4] * self.air_error
+        wind = self.wind_mean + factor[:, :2] * (self.wind - self.wind_mean)
 
         age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
         heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
         airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
         rows = navigator.velocity_rows(heading)
-        now = navigator.air_velocity(airspeed, heading) + rows[:, 2:] @ air_error
+        now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 2:].T
         over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)
-        latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground, step)
+        latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground.T, step)
         walk = self.gusts(step) * step * step
-        covariance = navigator.propagate(self.covariance, step, rows, factor, added, walk)
+        covariances = navigator.propagate(self.covariances, step, rows, factor, added, walk)
         running = self.initialised
         self.latitude = np.where(running, latitude, self.latitude)
         self.longitude = np.where(running, longitude, self.longitude)
         self.wind = np.where(running, wind, self.wind)
         self.air_error = np.where(running, air_error, self.air_error)
-        self.range_bias = factor[4:] * self.range_bias
-        self.covariance = np.where(running, covariance, self.covariance)
+        self.range_bias = factor[:, 4:] * self.range_bias
+        self.covariances = np.where(running, covariances, self.covariances)
         self.modelled = sigmas
         self.nose = heading
         self.airspeed = airspeed
@@ -347,24 +374,25 @@ class Navigator(stations.StationTable, Component):
     def take_fix(self):
         good = self.fix.valid
         first = np.logical_and(good, np.logical_not(self.initialised))
-        start_covariance = kalman.of_variances(np.concatenate([np.stack([self.fix_sigma] * 2), self.modelled]) ** 2)
+        start = np.concatenate([self.fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
         latitude = np.where(first, self.fix.latitude, self.latitude)
         longitude = np.where(first, self.fix.longitude, self.longitude)
         self.wind = np.where(first, self.wind_mean, self.wind)
-        covariance = np.where(first, start_covariance, self.covariance)
+        start_covariances = np.stack([kalman.of_variances(start[0]), kalman.of_variances(start[1])])
+        covariances = np.where(first, start_covariances, self.covariances)
 
         age = self.time - self.fix.time_of_validity
         velocity = self.air_velocity + self.wind
-        residual = velocity * age + navigator.offset(
-            latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude
-        )
+        offset = navigator.offset(latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude)
+        residual = velocity * age + offset.T
         squares = residual * residual
-        within = self.innovation_gate**2 * (kalman.diagonal(covariance)[:2] + self.fix_sigma**2)
-        beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within)
+        within = self.innovation_gate**2 * (kalman.diagonal(covariances)[:, :2] + self.fix_sigma**2)
+        beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within, axis=-1)
+        begun = navigator.anew(covariances, (BEGUN_ANEW * np.max(squares, axis=-1))[:, None])
         since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
-        correction, self.covariance = navigator.fix_updates(
-            np.zeros(STATES),
-            np.where(beyond, navigator.anew(covariance, BEGUN_ANEW * np.max(squares)), covariance),
+        correction, self.covariances = navigator.fix_updates(
+            np.zeros((2, STATES)),
+            np.where(beyond[:, None], begun, covariances),
             residual,
             self.fix.velocity_n[:2] - velocity,
             navigator.velocity_rows(self.nose),
@@ -384,18 +412,18 @@ class Navigator(stations.StationTable, Component):
         self.last_speed = np.where(good, ground_speed, self.last_speed)
         self.initialised = np.logical_or(self.initialised, good)
         self.doubted = np.logical_and(self.doubted, np.logical_not(good))
-        self.refusals = np.where(good, 0.0, self.refusals)
+        self.log_odds = np.where(good, self.least_odds(), self.log_odds)
         self.astray = np.logical_and(self.astray, np.logical_not(good))
 
     def correct(self, correction):
         """Blend the corrections of (6.24) into the estimates, thesis (6.43)-(6.51)."""
         self.latitude, self.longitude = navigator.advance(
-            self.latitude, self.longitude, self.altitude, correction[:2], 1.0
+            self.latitude, self.longitude, self.altitude, correction[:, :2].T, 1.0
         )
-        self.wind = self.wind + correction[2:4]
-        self.air_error = self.air_error + correction[4:6]
-        self.air_velocity = self.air_velocity + navigator.velocity_rows(self.nose)[:, 2:] @ correction[4:6]
-        self.range_bias = self.range_bias + correction[6:]
+        self.wind = self.wind + correction[:, 2:4]
+        self.air_error = self.air_error + correction[:, 4:6]
+        self.air_velocity = self.air_velocity + correction[:, 4:6] @ navigator.velocity_rows(self.nose)[:, 2:].T
+        self.range_bias = self.range_bias + correction[:, 6:]
 
     def calibrating(self):
         """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
@@ -403,90 +431,116 @@ class Navigator(stations.StationTable, Component):
         fresh = self.time - self.fix_time <= self.fix_timeout + 1.0e-6
         return self.fix_good & self.fix.valid & fresh
 
+    def sights(self, latitude, longitude):
+        """Direction cosines north and east of the lines of sight and their lengths (m), each of shape (2, stations)."""
+        seen = []
+        for filter_ in range(2):
+            sight = dme.line_of_sight(
+                latitude[filter_],
+                longitude[filter_],
+                self.altitude,
+                self.station_latitude,
+                self.station_longitude,
+                self.station_altitude,
+            )
+            seen.append(navigator.direction_cosines(latitude[filter_], longitude[filter_], sight))
+        return tuple(np.stack(parts) for parts in zip(*seen, strict=True))
+
     @on_new("ranging")
     def take_ranges(self):
         moment = self.ranging.time_of_validity
         velocity = self.air_velocity + self.wind
         latitude, longitude = navigator.advance(
-            self.latitude, self.longitude, self.altitude, velocity, moment - self.time
+            self.latitude, self.longitude, self.altitude, velocity.T, moment - self.time
         )
-        sight = dme.line_of_sight(
-            latitude,
-            longitude,
-            self.altitude,
-            self.station_latitude,
-            self.station_longitude,
-            self.station_altitude,
-        )
-        north, east, distance = navigator.direction_cosines(latitude, longitude, sight)
+        north, east, distance = self.sights(latitude, longitude)
         wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
         measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
         innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
+        doubted = self.doubted
+
+        def leading(values):
+            return np.where(doubted, values[1], values[0])
+
         # a station whose range jumps, in the time since it was last heard, further than the aircraft and its bias can
         heard = np.maximum(self.range_time, self.refused_time)
         since = moment - heard
         speed = self.top_speed()
         news = navigator.news(since, self.correlation_distance / np.maximum(speed, 1.0))
         reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + speed * since
-        jumped = measured & (heard > self.fix_time) & (np.abs(innovation - self.innovation) > reach)
+        jumped = measured & (heard > self.fix_time) & (leading(np.abs(innovation - self.innovation)) > reach)
         astray = self.astray & np.logical_not(jumped)
 
-        curvature = navigator.curvature(self.covariance, north, east, distance)
         unused = np.maximum(moment - self.range_time, 1.0e-3)
-        variance = self.noise_sigma**2 + curvature / navigator.news(unused, self.wind_time)
-        correction, covariance, taken = navigator.range_updates(
-            np.zeros(STATES),
-            self.covariance,
+        curvature = navigator.curvature(self.covariances, north, east, distance)
+        lasting = curvature / navigator.news(unused, self.wind_time) - curvature
+        correction, covariances, taken, innovations, spreads = navigator.range_updates(
+            np.zeros((2, STATES)),
+            self.covariances,
             north,
             east,
             innovation,
-            variance,
+            self.noise_sigma**2 + curvature + lasting,
             measured & np.logical_not(astray),
             self.innovation_gate,
         )
-        refused = np.logical_and(measured, np.logical_not(taken))
         self.correct(correction)
+        told = navigator.evidence(innovations, spreads, lasting, self.innovation_gate)
+        by_first, by_second = taken
+        taken = leading(taken)
+        refused = np.logical_and(measured, np.logical_not(taken))
         self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
         self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
 
-        self.astray = astray | (jumped & refused & (self.refusals == 0.0) & np.logical_not(self.doubted))
-        moved = north * correction[0] + east * correction[1] + correction[6:]
+        was_against = self.refused_time > self.range_time
+        moved = north * correction[:, :1] + east * correction[:, 1:2] + correction[:, 6:]
         self.innovation = np.where(measured, innovation, self.innovation) - moved
-        refusals = self.refusals + np.where(refused, news, 0.0)
-        self.refusals = np.where(taken, 0.0, refusals)
         self.range_time = np.where(taken, moment, self.range_time)
         self.refused_time = np.where(refused, moment, self.refused_time)
         used = moment - self.range_time <= self.geometry_window
-        against = (self.refusals > 0.0) & (moment - self.refused_time <= self.geometry_window)
+        recent = moment - self.refused_time <= self.geometry_window
+        against = recent & (self.refused_time > np.maximum(self.range_time, self.fix_time))
         believed = used & np.logical_not(against)
-        dilution = dme.dilution(north, east, believed)
-        self.hdop = np.where(wanted, dme.dilution(north, east, used), self.hdop)
+        cosines = leading(north), leading(east)
+        self.hdop = np.where(wanted, dme.dilution(*cosines, used), self.hdop)
 
-        # evidence against dead reckoning
         several = np.sum(np.where(against, 1.0, 0.0)) > 1.5
-        counted = against & (several | np.logical_not(self.astray))
-        doubt = (
-            np.any(refused & counted)
-            & (np.sum(np.where(counted, self.refusals, 0.0)) >= self.patience)
-            & np.logical_not(navigator.outvoted(against, believed, dilution, self.dilution_limit))
-        )
-        lacking = np.maximum(innovation * innovation - navigator.variance_along(covariance, north, east), 0.0)
-        self.covariance = navigator.widen(covariance, np.max(np.where(refused & counted & doubt, lacking, 0.0)))
-        self.doubted = np.logical_or(self.doubted, doubt)
+        alone = jumped & refused & np.logical_not(was_against | doubted)
+        self.astray = np.logical_and(astray | alone, np.logical_not(several))
+        outvoted = navigator.outvoted(against, believed, dme.dilution(*cosines, believed), self.dilution_limit)
+        heeded = measured & np.logical_not(astray) & np.logical_not(against & (outvoted | self.astray))
+        lacking = np.maximum(innovation**2 - navigator.variance_along(covariances, north, east), 0.0)[1]
+        lacking = np.max(np.where(heeded & np.logical_not(by_second), news * lacking, 0.0))
+        self.covariances = navigator.widen(covariances, np.stack([0.0, lacking]))
+        told = np.where(heeded & (self.prior > 0.0), told * np.where(by_first, 1.0, news), 0.0)
+        least = self.least_odds()
+        self.log_odds = np.maximum(self.log_odds + np.sum(told), least)
+        estimates = np.concatenate([self.wind[0] - self.wind_mean, self.air_error[0], self.range_bias[0]])
+        improbable = navigator.improbable(estimates, self.modelled[0], self.estimate_limit)
+        heard = (self.prior > 0.0) & np.any(heeded)
+        self.doubted = self.doubted | (heard & (improbable | (self.log_odds > -2.0 * least)))
 
     @every("update_period")
     def report(self):
-        velocity = self.air_velocity + self.wind
-        variances = kalman.diagonal(self.covariance)
-        self.north_sigma = np.sqrt(variances[0])
-        self.east_sigma = np.sqrt(variances[1])
+        doubt = self.doubt()
+        weights = np.stack([1.0 - doubt, doubt])
+        velocity = weights @ (self.air_velocity + self.wind)
+        latitude, longitude = weights @ self.latitude, weights @ self.longitude
+        apart = navigator.offset(
+            self.latitude[0], self.longitude[0], self.altitude, self.latitude[1], self.longitude[1]
+        )
+        shared = (1.0 - doubt) * doubt * np.stack([apart[0] * apart[0], apart[0] * apart[1], apart[1] * apart[1]])
+        parts = kalman.unpack(self.covariances)[:, :2, :2]
+        self.covariance = weights @ kalman.pack(parts) + shared
+        self.north_sigma = np.sqrt(self.covariance[0])
+        self.east_sigma = np.sqrt(self.covariance[2])
         self.mode = np.where(self.initialised, np.where(self.calibrating(), 1, 2), 0)
         self.hdop = np.where(np.any(self.time - self.range_time <= self.geometry_window), self.hdop, 99.0)
         self.solution.publish(
-            latitude=self.latitude,
-            longitude=self.longitude,
+            latitude=latitude,
+            longitude=longitude,
             altitude=self.altitude,
             velocity_n=np.stack([velocity[0], velocity[1], -self.climb]),
-            wind_n=self.wind,
+            wind_n=weights @ self.wind,
             valid=self.initialised,
         )

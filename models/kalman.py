@@ -75,6 +75,13 @@ def propagate(upper, rows, factor, noise):
     return pack(np.concatenate([above, below], axis=-2) + noise[..., None] * np.eye(np.shape(noise)[-1]))
 
 
+def innovate(correction, upper, row, variance, residual):
+    """Innovation of a scalar measurement, its variance H P H' + R, and P H'; arguments as of :func:`update`."""
+    row = np.asanyarray(row)
+    cross = np.sum(unpack(upper) * row[..., None, :], axis=-1)
+    return residual - np.sum(row * correction, axis=-1), np.sum(row * cross, axis=-1) + variance, cross
+
+
 def update(correction, upper, row, variance, residual, use=True, gate=0.0):
     """One scalar measurement with the noise ``variance``, thesis (6.39)-(6.42).
 
@@ -98,10 +105,7 @@ def update(correction, upper, row, variance, residual, use=True, gate=0.0):
     -------
     correction, upper, and whether the measurement was taken.
     """
-    row = np.asanyarray(row)
-    innovation = residual - np.sum(row * correction, axis=-1)
-    cross = np.sum(unpack(upper) * row[..., None, :], axis=-1)
-    spread = np.sum(row * cross, axis=-1) + variance
+    innovation, spread, cross = innovate(correction, upper, row, variance, residual)
     inside = np.logical_or(gate <= 0.0, innovation * innovation <= gate * gate * spread)
     taken = np.logical_and(use, inside)
     gain = np.where(taken, 1.0 / spread, 0.0)[..., None] * cross

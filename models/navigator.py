@@ -89,7 +89,7 @@ def propagate(upper, step, rows, factor, added, walk):
         Variance of the random walk of position on each axis, m^2.
     """
     itself = np.broadcast_to(np.eye(2), (*np.shape(rows)[:-2], 2, 2))
-    noise = np.concatenate([np.stack([walk, walk]), added])
+    noise = np.concatenate([np.ones((*np.shape(added)[:-1], 2)) * walk, added], -1)
     return kalman.propagate(upper, np.concatenate([itself, step * rows], -1), factor, noise)
 
 
@@ -142,7 +142,7 @@ def curvature(upper, north, east, distance):
 def variance_along(upper, north, east):
     """Variance of position along horizontal directions with these cosines, m^2."""
     covariance = kalman.unpack(upper)
-    nn, ne, ee = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    nn, ne, ee = (covariance[..., i, j, None] for i, j in ((0, 0), (0, 1), (1, 1)))
     return north * north * nn + 2.0 * north * east * ne + east * east * ee
 
 
@@ -150,17 +150,50 @@ def range_updates(correction, upper, north, east, residual, variance, measured, 
     """Take the residuals (m) of the slant ranges, one scalar update after the other, (6.39)-(6.42).
 
     ``north``, ``east``: direction cosines of the lines of sight, which are the rows of H; (6.36) has them for projected
-    ranges. Each range has its own bias. Returns correction, upper and which ranges were taken: not those that the
-    gate refuses.
+    ranges. Each range has its own bias. Returns correction, upper, which ranges were taken (not those that the gate
+    refuses), and of each range the innovation (m) and its variance (m^2).
     """
-    taken, row = [], _rows_of(upper)
+    taken, innovations, spreads, row = [], [], [], _rows_of(upper)
     for station, own in enumerate(np.eye(np.shape(residual)[-1])):
         at = row(np.stack([north[..., station], east[..., station]], -1), np.zeros(VELOCITIES), own)
+        innovation, spread, _ = kalman.innovate(correction, upper, at, variance[..., station], residual[..., station])
         correction, upper, one = kalman.update(
             correction, upper, at, variance[..., station], residual[..., station], measured[..., station], gate
         )
         taken.append(one)
-    return correction, upper, np.stack(taken, -1)
+        innovations.append(innovation)
+        spreads.append(spread)
+    return correction, upper, np.stack(taken, -1), np.stack(innovations, -1), np.stack(spreads, -1)
+
+
+def evidence(innovations, spreads, lasting, gate):
+    """How much each range speaks for the second of two filters: logarithm of the ratio of its likelihoods.
+
+    The sum over ranges is the logarithm of the odds (Magill, Optimal adaptive estimation, IEEE Trans. Automatic Control
+    AC-10, 1965, p. 434). A range beyond the first one's gate is as likely for either as it is at that gate: it may be
+    wild, and nothing is learned from what both refuse.
+
+    Parameters
+    ----------
+    innovations, spreads
+        Of each range by each filter, m and m^2, shape (2, ranges).
+    lasting
+        What of that variance is there only because the same error comes again with the next range, m^2. What is left
+        of it is how independent the range is, and how much it counts.
+    """
+    independent = np.min(1.0 - lasting / spreads, axis=0)
+    spreads = spreads - lasting
+    squares = innovations * innovations / spreads
+    logarithms = -0.5 * (squares + np.log(spreads))
+    wild = -0.5 * (gate * gate + np.log(spreads[0]))
+    bounded = np.where(gate > 0.0, np.maximum(logarithms, wild), logarithms)
+    return independent * (bounded[1] - bounded[0])
+
+
+def improbable(estimates, sigmas, limit):
+    """Whether any of the estimates of Gauss-Markov states is beyond ``limit`` of the sigmas that its model allows it:
+    the estimate of a state scatters less than the state itself, so a filter whose model is right never has one."""
+    return np.any(np.abs(estimates) > limit * np.maximum(sigmas, 1.0e-9), axis=-1)
 
 
 def news(since, time_constant):
@@ -184,7 +217,8 @@ def anew(upper, variance):
 def widen(upper, variance):
     """Add ``variance`` (m^2) to north and to east position."""
     states = kalman.order(upper)
-    return upper + kalman.of_variances(np.concatenate([np.ones(2), np.zeros(states - 2)])) * variance
+    both = kalman.of_variances(np.concatenate([np.ones(2), np.zeros(states - 2)]))
+    return upper + np.asanyarray(variance)[..., None] * both
 
 
 def direction_cosines(latitude, longitude, sight):

@@ -78,7 +78,7 @@ def run(seeds, mode=3, aided=True, as_printed=False, step=1.0):
             distance = np.hypot(sight[..., 0], sight[..., 1])
             true = np.hypot(*(position[k] - STATIONS).T)
             reading = dme.measure(true, bias, dme.NOISE_SIGMA, rng.standard_normal((seeds, 2)))
-            correction, upper, _ = navigator.range_updates(
+            correction, upper, *_ = navigator.range_updates(
                 correction,
                 upper,
                 sight[..., 0] / distance,

@@ -432,6 +432,48 @@ def test_ranges_that_all_jump_and_jump_back_leave_a_claim_that_can_be_used():
     assert np.hypot(flight["north_sigma"], flight["east_sigma"]) < 600.0
 
 
+def test_evidence_is_the_ratio_of_likelihoods():
+    """By scipy's normal density; beyond the first filter's gate as at it, for either."""
+    sigmas = np.array([[10.0, 10.0, 10.0, 10.0], [40.0, 20.0, 30.0, 30.0]])
+    innovations = np.array([[5.0, -25.0, 60.0, 200.0], [7.0, -15.0, 50.0, 200.0]])
+    told = navigator.evidence(innovations, sigmas**2, np.zeros((2, 4)), 4.0)
+    logarithms = stats.norm.logpdf(innovations, scale=sigmas)
+    at_gate = stats.norm.logpdf(40.0, scale=10.0)
+    expected = [*(logarithms[1] - logarithms[0])[:2], logarithms[1, 2] - at_gate, 0.0]
+    assert told == pytest.approx(expected, abs=1e-12)
+    half = navigator.evidence(innovations, 2.0 * sigmas**2, sigmas**2, 4.0)
+    assert half == pytest.approx(0.5 * told)  # half of the variance will be there with the next range, too
+
+
+def test_ranges_as_the_first_filter_expects_them_give_odds_without_drift():
+    """The mean of the ratio of likelihoods is 1, whatever the second filter says, so odds of c are reached with a
+    probability of at most 1 / c (Ville). Bound: 5 standard errors of 400 000 ranges."""
+    rng = np.random.default_rng(5)
+    first = 300.0 * rng.standard_normal(400_000)
+    second = first - 100.0  # the same range, which the second filter expects to be longer
+    spreads = np.array([300.0**2, 350.0**2])[:, None] * np.ones(first.size)
+    ratio = np.exp(navigator.evidence(np.stack([first, second]), spreads, np.zeros_like(spreads), 0.0))
+    assert np.mean(ratio) == pytest.approx(1.0, abs=5.0 * np.std(ratio) / np.sqrt(ratio.size))
+
+
+def test_an_estimate_beyond_what_its_model_allows_is_improbable():
+    """Either sign, any state; a state without a sigma is 0 and allowed."""
+    sigmas = np.array([5.0, 315.0, 0.0])
+    assert not navigator.improbable(np.array([24.0, -1500.0, 0.0]), sigmas, 5.0)
+    assert navigator.improbable(np.array([24.0, -1600.0, 0.0]), sigmas, 5.0)
+    assert navigator.improbable(np.array([26.0, 0.0, 0.0]), sigmas, 5.0)
+
+
+def test_a_station_heard_alone_whose_bias_would_be_absurd_is_a_contradiction():
+    """Northbound with heading wrong by 90 degrees, a station ahead: its range shrinks by 46 m/s, dead reckoning leaves
+    it as it is. Scanned every second, the bias follows from range to range, and few are refused: a filter that waits
+    for refusals claims less than 500 m after two minutes, 4 km from the truth."""
+    flight = Flight(heading_sigma=np.radians(1.5), stations=[True] + [False] * 4, step=1.0, **FIVE)
+    flight.fly(60.0, fix=True).fly(1.0, fix=False).fly(120.0, ranging=1.0, wrong=np.radians(90.0))
+    assert flight["doubted"]
+    assert np.hypot(flight["north_sigma"], flight["east_sigma"]) > 1000.0
+
+
 def test_stations_are_not_astray_because_gps_was():
     """GPS comes back for 15 s, wrong by 3 km. Compared with what was heard before that, the range to the station ahead
     seems to jump, and would be left out for good."""
@@ -490,7 +532,7 @@ def test_a_fix_that_jumps_says_nothing_about_the_wind():
         north, east = flight.error()
         assert np.hypot(north - shift, east) < 5.0
         assert np.hypot(*flight["solution.wind_n"]) < 1.0
-        assert np.hypot(*flight["air_error"]) < 1.0
+        assert np.all(np.linalg.norm(flight["air_error"], axis=-1) < 1.0)
         assert flight["north_sigma"] < 2.0 and flight["east_sigma"] < 2.0
 
 
