@@ -14,6 +14,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "terminal",
     "report",
     "export",
+    "expressions",
     "faults",
     "engine",
     "system",
