@@ -72,6 +72,11 @@ class Clock:
         points = exact(time) / self.ratio
         return max(0, min(FOREVER, math.ceil(points - Fraction(TOLERANCE) * max(1, points))))
 
+    def last(self, time: float) -> int:
+        """The last communication point at or before ``time`` (s), which is not negative and finite."""
+        points = exact(time) / self.ratio
+        return min(FOREVER, math.floor(points + Fraction(TOLERANCE) * max(1, points)))
+
     def multiple(self, period: float, what: str) -> int:
         """``period`` (s) as a whole number of steps, at least 1; ``what`` names it in the error."""
         if not (is_finite(period) and period > 0):

@@ -22,6 +22,7 @@ from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library, load
+from navfmu.engine.monitor import MONITOR, OPERATION
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import (
     Recording,
@@ -30,6 +31,7 @@ from navfmu.engine.recording import (
     dead,
     ended,
     got_to,
+    observed,
     recording,
     refusal,
     unmoved,
@@ -140,6 +142,7 @@ class Compiled:
         for part in plan.parts:
             self._disturbed[part.first_signal : part.first_signal + part.signals] = part.effects > 0
         self._effects = np.ascontiguousarray(plan.effects, EFFECT).copy()
+        self._monitors = np.ascontiguousarray(plan.monitors, MONITOR).copy()
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
@@ -227,7 +230,8 @@ class Compiled:
         notes += floating.strayed(self.plan, [component.strayed for component in self._components])
         over = self.k == self.plan.clock.steps or self._master.ended >= 0
         idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over, self._master.turn)
-        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle)
+        seen = observed(self.plan, self._monitors, self.k)
+        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle, seen)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -350,6 +354,9 @@ class Compiled:
             moves=len(plan.initial),
             effect=self._keep(self._effects, EFFECT, changes=True),
             echo=self._keep(plan.echoes.copy(), ECHO, changes=True),
+            monitor=self._keep(self._monitors, MONITOR, changes=True),
+            monitors=len(plan.monitors),
+            operation=self._keep(plan.operations, OPERATION),
             signal=self._keep(signal.reshape(-1), np.float64, changes=True),
             components=len(plan.parts),
             signals=count,

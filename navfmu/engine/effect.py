@@ -36,7 +36,7 @@ from navfmu.fmi.description import Variable
 from navfmu.fmi.values import check_range, quantity, rate, spread, typed
 
 ADD, RAMP, SET, HOLD, NOISE = range(5)
-NOW, NEXT, AHEAD, RECORDED = 1, 2, 4, 8  # who sees a signal, see enum Reader in source/master.h
+NOW, NEXT, AHEAD, RECORDED, OBSERVED = 1, 2, 4, 8, 16  # who sees a signal, see enum Reader in source/master.h
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
 
 # One row of the fault table, laid out as struct Effect in source/master.h.
@@ -55,7 +55,7 @@ EFFECT = np.dtype(
         ("divisor", np.int64),
         ("memory", np.float64),  # HOLD: the value; NOISE: amount * z_j
         ("drawn", np.int64),  # NOISE: j of the memory, -1 before the first
-        ("readers", np.int32),  # who sees the signal: a sum of NOW, NEXT, AHEAD, RECORDED
+        ("readers", np.int32),  # who sees the signal: a sum of NOW, NEXT, AHEAD, RECORDED, OBSERVED
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
         ("until", np.int64),  # from this communication point on nothing can be seen of it any more
@@ -303,11 +303,11 @@ def _idle(effect: Effect, row: np.void, clock: Clock, every: int, own: float | N
         return f"starts at {effect.fault.start:.9g} s, the run ends at {clock.time(clock.steps):.9g} s"
     name, first, end = f"{effect.component}.{effect.variable}", int(row["first"]), min(row["end"], clock.steps + 1)
     if not row["readers"]:
-        return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded"
+        return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded nor asked for"
     if row["readers"] == RECORDED and -(-first // every) * every >= min(row["until"], clock.steps + 1):
         return f"acts on '{name}', which is not connected, and at no point at which it is recorded"
     still = effect.kind == RAMP and clock.time(clock.steps) <= effect.fault.start
-    looking = NOW | RECORDED if first % every == 0 else NOW
+    looking = NOW | OBSERVED | (RECORDED if first % every == 0 else 0)
     if first == clock.steps and (still or not row["readers"] & looking):
         return f"starts at {effect.fault.start:.9g} s, the last communication point"
     if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine.clock import Clock
-from navfmu.engine.effect import ADD, AHEAD, HOLD, NEXT, NOISE, NOW, RAMP, RECORDED, SET
+from navfmu.engine.effect import ADD, AHEAD, HOLD, NEXT, NOISE, NOW, OBSERVED, RAMP, RECORDED, SET
 
 
 def normal(seed: int, stream: int, lane: int, j: int) -> float:
@@ -95,7 +95,7 @@ class Injector:
             self.seen[number] = 0
         elif readers & NOW:
             self.seen[number] = 3 * k - 1
-        elif readers & RECORDED and k % self._every == 0:
+        elif readers & OBSERVED or (readers & RECORDED and k % self._every == 0):
             self.seen[number] = 3 * k
         elif readers & NEXT:
             self.seen[number] = 3 * k + 1

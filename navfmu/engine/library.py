@@ -28,7 +28,10 @@ UNITS = (
     RUNTIME / "noise.c",
 )
 HEADERS = (
-    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "effects", "floating", "initial")),
+    *(
+        SOURCE / f"{name}.h"
+        for name in ("master", "exchange", "effects", "expression", "floating", "initial", "monitor")
+    ),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )
 

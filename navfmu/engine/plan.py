@@ -32,12 +32,14 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
-from navfmu.engine.effect import EFFECT, RECORDED, echoes, effects_of, idle, table
+from navfmu.engine.effect import EFFECT, OBSERVED, RECORDED, echoes, effects_of, idle, table
 from navfmu.engine.initial import initial_moves
 from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
+from navfmu.engine.monitor import Monitor, tables
 from navfmu.engine.order import sort
 from navfmu.errors import NavfmuError, nearest
+from navfmu.expressions.program import Source
 from navfmu.faults.fault import Fault
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable
@@ -110,6 +112,9 @@ class Plan:
     echoes: np.ndarray  # ECHO
     faults: tuple[Fault, ...]  # of each effect
     recorded: tuple[Recorded, ...]
+    questions: tuple[Monitor, ...]
+    monitors: np.ndarray  # MONITOR: a row for each question
+    operations: np.ndarray  # OPERATION: of all their programs
     record_every: int  # steps
     cut: tuple[str, ...]  # connections that were cut, "a.y -> b.u"
     idle: Mapping[str, str]  # faults that cannot change anything, by id, and why
@@ -141,13 +146,14 @@ def make_plan(
     record: Sequence[str] | None = None,
     record_period: float | None = None,
     faults: Sequence[Fault] = (),
+    monitors: Sequence[Monitor] = (),
     seed: int = 1,
 ) -> Plan:
     """The plan of a run from 0 to ``stop`` (s) in steps of ``step`` (s).
 
     ``record`` names variables ("imu.reading.rate[1]"), arrays and bundles ("imu.reading.rate", "imu.reading") or
-    patterns ("imu.*"), each with or without "@true"; by default all outputs are recorded. ``seed`` keys the noise of
-    faults. Whatever does not fit together is a ``NavfmuError``.
+    patterns ("imu.*"), each with or without "@true"; by default all outputs are recorded. ``monitors`` are asked at
+    every communication point. ``seed`` keys the noise of faults. Whatever does not fit together is a ``NavfmuError``.
     """
     if algorithm not in ALGORITHMS:
         hint = nearest(algorithm, ALGORITHMS)
@@ -163,6 +169,8 @@ def make_plan(
     connected = _connected(wires)
     effects = effects_of(faults, by_name, connected)
     columns = _columns(record, system)
+    programs = [(monitor.program(system), monitor.condition(system)) for monitor in monitors]
+    sources = [source for pair in programs for program in pair if program for source in program.sources]
 
     index = {component.name: i for i, component in enumerate(components)}
     order, cut_edges = sort(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
@@ -171,7 +179,7 @@ def make_plan(
 
     read = {s.key for s, _, _ in wires} | {(e.component, e.variable) for e in effects if not e.driven}
     driven = {(e.component, e.variable): None for e in effects if e.driven}  # a set that keeps its order
-    for end, _ in columns:
+    for end in (*(end for end, _ in columns), *(source.signal for source in sources)):
         if end.key not in connected and end.key not in driven:
             read.add(end.key)
     outputs = {
@@ -187,12 +195,24 @@ def make_plan(
     for end, true in columns:
         key = connected[end.key][0].key if end.key in connected else end.key
         readers[key] = readers.get(key, 0) | (0 if true else RECORDED)
+    for source in sources:
+        key = source.signal.key
+        key = connected[key][0].key if key in connected else key
+        readers[key] = readers.get(key, 0) | (0 if source.true else OBSERVED)
     effect_table = table(ordered, slots, readers, clock, seed) if ordered else np.zeros(0, EFFECT)
     echo_table = echoes(effect_table)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     useless = idle(ordered, effect_table, clock, every, undisturbed)
 
+    faulted = {(effect.component, effect.variable) for effect in ordered}
+
+    def place(source: Source) -> tuple[int, float, float]:
+        column = _recorded(source.signal, source.true, slots, connected)
+        on_its_own = column.true and signals[column.slot] in faulted
+        return column.slot + (len(signals) if on_its_own else 0), column.factor, column.offset
+
+    monitor_table, operations = tables(monitors, programs, place, clock)
     initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect = [], 0
     for component in components:
@@ -215,6 +235,9 @@ def make_plan(
         effects=effect_table,
         faults=tuple(effect.fault for effect in ordered),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
+        questions=tuple(monitors),
+        monitors=monitor_table,
+        operations=operations,
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
         idle=useless,

@@ -11,6 +11,7 @@ import numpy as np
 
 from navfmu.engine.component import Component
 from navfmu.engine.effect import unseen
+from navfmu.engine.monitor import Observed
 from navfmu.engine.plan import Plan
 from navfmu.engine.structures import Log
 from navfmu.errors import NavfmuError
@@ -47,6 +48,7 @@ class Recording:
     notes: tuple[str, ...] = ()  # sentences: what FMUs warned of, samples lost, values that are no numbers
     lost: Mapping[str, int] = field(default_factory=dict)  # samples that were missed, by counter: "ahrs.imu.lost"
     idle: Mapping[str, str] = field(default_factory=dict)  # faults that changed nothing, by id, and why
+    observed: Mapping[str, Observed] = field(default_factory=dict)  # what monitors saw, by id
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by name."""
@@ -124,6 +126,11 @@ def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> d
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
 
 
+def observed(plan: Plan, rows: Sequence[np.void] | np.ndarray, k: int) -> dict[str, Observed]:
+    """What the plan's monitors saw up to communication point ``k``, by id."""
+    return {question.id: Observed.of(row, plan.clock, k) for question, row in zip(plan.questions, rows, strict=True)}
+
+
 def _taken(plan: Plan, turn: int) -> tuple[set[int], set[int]]:
     """Signals that components took in a step that was left at component ``turn``: as they leave before, at its end."""
     before: set[int] = set()
@@ -148,6 +155,7 @@ def recording(
     warnings: Iterable[str] = (),
     lost: Mapping[str, int] | None = None,
     idle: Mapping[str, str] | None = None,
+    seen: Mapping[str, Observed] | None = None,
 ) -> Recording:
     """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
     for number, column in enumerate(plan.recorded):
@@ -161,6 +169,7 @@ def recording(
         values=rows,
         lost=dict(lost or {}),
         idle=dict(idle or {}),
+        observed=dict(seen or {}),
     )
     unfelt = [f"fault '{fault}' {why}" for fault, why in made.idle.items()]
     return replace(made, notes=(*warnings, *unfelt, *missed(made.lost, plan), *not_finite(made)))

@@ -23,6 +23,7 @@ from navfmu.engine.injector import Injector
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library
+from navfmu.engine.monitor import Observer
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import (
     Recording,
@@ -31,6 +32,7 @@ from navfmu.engine.recording import (
     dead,
     ended,
     got_to,
+    observed,
     recording,
     refusal,
     room,
@@ -62,6 +64,7 @@ class Snapshot:
     ahead: list[float]
     begin: list[list[float]]
     injectors: list[Any]
+    observers: list[np.void]
 
 
 class FMU2Counting(FMU2Slave):
@@ -104,6 +107,7 @@ class Reference:
             for part in plan.parts
         ]
         self._driver = Injector(rows[plan.first_driven_effect :], plan.clock, plan.record_every)
+        self._observers = [Observer(row, plan.operations) for row in plan.monitors]
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Counting] = []
         self._gone: list[FMU2Counting] = []  # once they are freed
@@ -136,6 +140,7 @@ class Reference:
         for move in self.plan.initial:
             {READ: self._read, GIVE: self._give, LEAVE: self._leave}[int(move["kind"])](move)
         self._record()
+        self._observe()
         self._initialised = True
 
     @floating.ordinary()
@@ -153,6 +158,7 @@ class Reference:
             self.k += 1
             self._drive(self.k)
             self._record()
+            self._observe()
 
     def run(self, progress: Any = None) -> Recording:
         """Initialise, run to the end, terminate."""
@@ -198,7 +204,9 @@ class Reference:
         notes += floating.strayed(self.plan, [fmu.strayed for fmu in fmus])
         over = self.k == self.plan.clock.steps or self._ended >= 0
         seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
-        return recording(self.plan, rows, notes, lost, unmoved(self.plan, seen, self.k, over, self._turn))
+        idle = unmoved(self.plan, seen, self.k, over, self._turn)
+        found = observed(self.plan, [observer.row for observer in self._observers], self.k)
+        return recording(self.plan, rows, notes, lost, idle, found)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -342,6 +350,11 @@ class Reference:
         if rest == 0:
             self.rows[row] = [(self.truth if c.true else self.values)[c.slot] for c in self.plan.recorded]
 
+    def _observe(self) -> None:
+        signals = [*self.values, *self.truth]
+        for observer in self._observers:
+            observer.observe(signals, self.k, self.plan.clock.time(self.k))
+
     # ---- states ------------------------------------------------------------------------------------------------------
 
     @floating.ordinary()
@@ -355,7 +368,8 @@ class Reference:
         states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
-        return Snapshot(self.k, states, *lists, injectors)
+        observers = [observer.state() for observer in self._observers]
+        return Snapshot(self.k, states, *lists, injectors, observers)
 
     @floating.ordinary()
     def restore(self, snapshot: Snapshot) -> None:
@@ -365,6 +379,8 @@ class Reference:
             self._call(number, "setFMUstate", state)
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
             injector.set_state(state)
+        for observer, seen in zip(self._observers, snapshot.observers, strict=True):
+            observer.set_state(seen)
         self.k, self._ended, self._turn = snapshot.k, -1, -1
         self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
         self.begin = [list(begin) for begin in snapshot.begin]

@@ -18,8 +18,9 @@ from ctypes import (
     sizeof,
 )
 
-from navfmu.engine import effect, initial
+from navfmu.engine import effect, initial, monitor
 from navfmu.errors import NavfmuError, quoted
+from navfmu.expressions.program import Op
 
 #: The enumeration Call, in its order: what each is called in FMI. The loop's own come first.
 CALLS = {
@@ -131,8 +132,9 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "echo", "signal")),
-        *((name, c_int32) for name in ("components", "moves", "signals", "first_driven", "driven")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "echo")),
+        *((name, c_void_p) for name in ("monitor", "operation", "signal")),
+        *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),
         ("record_every", c_int64),
@@ -153,7 +155,14 @@ Row = tuple[str, str, int, int]  # structure, field ("": the whole), offset and 
 
 def here() -> Iterator[Row]:
     """The table as this file and the fault table mean it."""
-    for table, rows in (("Effect", effect.EFFECT), ("Echo", effect.ECHO), ("Move", initial.MOVE)):
+    tables = {
+        "Effect": effect.EFFECT,
+        "Echo": effect.ECHO,
+        "Monitor": monitor.MONITOR,
+        "Operation": monitor.OPERATION,
+        "Move": initial.MOVE,
+    }
+    for table, rows in tables.items():
         yield table, "", 0, rows.itemsize
         for name in rows.names or ():
             kind, offset = rows.fields[name][:2]  # type: ignore[index]
@@ -165,8 +174,10 @@ def here() -> Iterator[Row]:
             yield structure.__name__, name, place.offset, place.size
     for name in ("ADD", "RAMP", "SET", "HOLD", "NOISE"):
         yield "EffectKind", name, getattr(effect, name), 0
-    for name in ("NOW", "NEXT", "AHEAD", "RECORDED"):
+    for name in ("NOW", "NEXT", "AHEAD", "RECORDED", "OBSERVED"):
         yield "Reader", name, getattr(effect, name), 0
+    for op in Op:
+        yield "OperationKind", op.name, op, 0
     for name in ("READ", "GIVE", "LEAVE"):
         yield "MoveKind", name, getattr(initial, name), 0
     for name, (number, _) in STRAYS.items():

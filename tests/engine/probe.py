@@ -135,6 +135,7 @@ def run_both(plan: Plan) -> Recording:
     different = [name for name in fast.names if fast[name].tobytes() != slow[name].tobytes()]
     assert not different, f"engines differ in {different}"
     assert fast.idle == slow.idle
+    assert repr(fast.observed) == repr(slow.observed)  # NaN is NaN
     return fast
 
 

@@ -12,8 +12,8 @@ from navfmu.errors import NavfmuError
 def test_every_structure_is_compared():
     rows = list(structures.there(engine_library()))
     assert {structure for structure, *_ in rows} == {
-        *("Effect", "Echo", "Move", "Inputs", "Component", "Place", "Log", "Master"),
-        *("EffectKind", "Reader", "MoveKind", "Stray", "Call"),
+        *("Effect", "Echo", "Move", "Inputs", "Component", "Place", "Log", "Master", "Monitor", "Operation"),
+        *("EffectKind", "OperationKind", "Reader", "MoveKind", "Stray", "Call"),
     }
     assert ("Place", "rows", 8, 8) in rows
     assert ("Call", "DO_STEP", 7, 0) in rows

@@ -82,7 +82,7 @@ def test_a_drift_of_one_point_is_seen_by_whoever_gets_the_end_of_the_step():
 
 def test_a_signal_that_goes_nowhere_is_told_before_the_run():
     assert plan(bias(target="lag.y"), record=["source.y"]).idle == {
-        "bias": "acts on 'lag.y', which goes nowhere: it is neither connected nor recorded"
+        "bias": "acts on 'lag.y', which goes nowhere: it is neither connected nor recorded nor asked for"
     }
     assert not plan(bias(target="lag.y"), record=["lag.y"]).idle
     assert not plan(bias(), record=["lag.y"]).idle

@@ -67,7 +67,7 @@ static RARELY void search(Master *m, Effect *e, int64_t k) {
     if (bits(without) == bits(m->signal[e->slot])) return;
     if (k == 0 && e->readers & (NOW | NEXT | AHEAD)) e->seen = 0;
     else if (e->readers & NOW) e->seen = 3 * k - 1;
-    else if (e->readers & RECORDED && k % m->record_every == 0) e->seen = 3 * k;
+    else if (e->readers & OBSERVED || (e->readers & RECORDED && k % m->record_every == 0)) e->seen = 3 * k;
     else if (e->readers & NEXT) e->seen = 3 * k + 1;
 }
 

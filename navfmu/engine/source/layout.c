@@ -22,6 +22,15 @@ static const Field FIELDS[] = {
 
     WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory), FIELD(Echo, drawn),
 
+    WHOLE(Monitor), FIELD(Monitor, first_operation), FIELD(Monitor, operations), FIELD(Monitor, first_when),
+    FIELD(Monitor, whens), FIELD(Monitor, least), FIELD(Monitor, most), FIELD(Monitor, begin), FIELD(Monitor, end),
+    FIELD(Monitor, tolerated), FIELD(Monitor, points), FIELD(Monitor, not_finite), FIELD(Monitor, outside),
+    FIELD(Monitor, episodes), FIELD(Monitor, row), FIELD(Monitor, longest), FIELD(Monitor, first_outside),
+    FIELD(Monitor, last_outside), FIELD(Monitor, first_inside), FIELD(Monitor, last_inside), FIELD(Monitor,
+    worst_at), FIELD(Monitor, worst), FIELD(Monitor, excess), FIELD(Monitor, squares), FIELD(Monitor, greatest),
+
+    WHOLE(Operation), FIELD(Operation, kind), FIELD(Operation, place), FIELD(Operation, number),
+
     WHOLE(Move), FIELD(Move, kind), FIELD(Move, component), FIELD(Move, type), FIELD(Move, reference),
     FIELD(Move, slot), FIELD(Move, factor), FIELD(Move, offset),
 
@@ -47,8 +56,9 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, signal), FIELD(Master, components), FIELD(Master, moves),
-    FIELD(Master, signals), FIELD(Master, first_driven),
+    FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, monitor), FIELD(Master, operation), FIELD(Master, signal),
+    FIELD(Master, components), FIELD(Master, moves), FIELD(Master, signals), FIELD(Master, monitors),
+    FIELD(Master, first_driven),
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
     FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
@@ -57,7 +67,15 @@ static const Field FIELDS[] = {
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE),
 
-    VALUE(Reader, NOW), VALUE(Reader, NEXT), VALUE(Reader, AHEAD), VALUE(Reader, RECORDED),
+    VALUE(Reader, NOW), VALUE(Reader, NEXT), VALUE(Reader, AHEAD), VALUE(Reader, RECORDED), VALUE(Reader, OBSERVED),
+
+    VALUE(OperationKind, CONSTANT), VALUE(OperationKind, LOAD_SIGNAL), VALUE(OperationKind, TIME),
+    VALUE(OperationKind, ACTIVE), VALUE(OperationKind, NEGATE), VALUE(OperationKind, ABS), VALUE(OperationKind,
+    SQUARE), VALUE(OperationKind, SQRT), VALUE(OperationKind, NOT), VALUE(OperationKind, PLUS), VALUE(OperationKind,
+    MINUS), VALUE(OperationKind, MULTIPLY), VALUE(OperationKind, DIVIDE), VALUE(OperationKind, MINIMUM),
+    VALUE(OperationKind, MAXIMUM), VALUE(OperationKind, LESS), VALUE(OperationKind, AT_MOST), VALUE(OperationKind,
+    GREATER), VALUE(OperationKind, AT_LEAST), VALUE(OperationKind, EQUAL), VALUE(OperationKind, DIFFERENT),
+    VALUE(OperationKind, AND), VALUE(OperationKind, OR),
 
     VALUE(MoveKind, READ), VALUE(MoveKind, GIVE), VALUE(MoveKind, LEAVE),
 

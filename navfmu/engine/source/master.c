@@ -1,5 +1,6 @@
 /* The run: initial values, steps, recording. */
 #include "initial.h"
+#include "monitor.h"
 
 static void drive(Master *m, int64_t k) {
     if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k, -1);
@@ -23,6 +24,7 @@ static int begin(Master *m) {
     for (const Move *v = m->move; v < m->move + m->moves; v++)
         if (make_move(m, v)) return FAILED;
     record(m, 0);
+    observe_all(m, 0);
     return outside(m, DONE);
 }
 
@@ -48,6 +50,7 @@ static int go_on(Master *m, int64_t until) {
             record(m, row++);
             next += m->record_every;
         }
+        observe_all(m, place->k);
     }
     return outside(m, DONE);
 }

@@ -6,6 +6,7 @@
 
 #include <stdint.h>
 
+#include "expression.h"
 #include "fmi2FunctionTypes.h"
 
 #if defined(_WIN32)
@@ -35,8 +36,9 @@ typedef struct {
     double before;                /* the signal before it, now */
 } Effect;
 
-/* Who sees a signal: a component in this step, one in the next step, one that gets it as it is ahead; the recording. */
-typedef enum { NOW = 1, NEXT = 2, AHEAD = 4, RECORDED = 8 } Reader;
+/* Who sees a signal: a component in this step, one in the next step, one that gets it as it is ahead; the recording; a
+   monitor. */
+typedef enum { NOW = 1, NEXT = 2, AHEAD = 4, RECORDED = 8, OBSERVED = 16 } Reader;
 
 /* A later effect on the same signal, with the memory that it would have without the earlier one. */
 typedef struct {
@@ -44,6 +46,21 @@ typedef struct {
     double memory;
     int64_t drawn;
 } Echo;
+
+/* What is asked at every communication point, and what was seen; see navfmu/engine/monitor.py. */
+typedef struct {
+    int32_t first_operation, operations; /* its value */
+    int32_t first_when, whens;    /* asked while this is not 0; without any: always */
+    double least, most;
+    int64_t begin, end;           /* communication points, begin <= k <= end */
+    int64_t tolerated;            /* points in a row that may lie outside */
+    int64_t points, not_finite;   /* at which it was asked; at which the value was no number */
+    int64_t outside, episodes;    /* points in longer rows than tolerated; such rows */
+    int64_t row, longest;         /* points outside in a row, now and at most */
+    int64_t first_outside, last_outside, first_inside, last_inside, worst_at; /* -1: none */
+    double worst, excess;         /* the value furthest outside, and how far that is */
+    double squares, greatest;     /* sum over the finite values; size */
+} Monitor;
 
 /* A move from initialisation mode to t = 0; see navfmu/engine/initial.py. LEAVE concerns all inputs and outputs. */
 typedef enum { READ, GIVE, LEAVE } MoveKind;
@@ -129,8 +146,10 @@ typedef struct {
     const Move *move;             /* how the values of t = 0 come about */
     Effect *effect;
     Echo *echo;
+    Monitor *monitor;
+    const Operation *operation;   /* of all programs */
     double *signal;               /* the values that left, then the true ones, then those ahead */
-    int32_t components, moves, signals;
+    int32_t components, moves, signals, monitors;
     int32_t first_driven, driven; /* driven signals are the last ones */
     int32_t first_driven_effect, driven_effects;
     int32_t algorithm;            /* 0 Jacobi, 1 Gauss-Seidel */
