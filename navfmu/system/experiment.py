@@ -28,13 +28,14 @@ if TYPE_CHECKING:
     import pandas
 
     from navfmu.engine.blackbox import BlackBox
+    from navfmu.engine.monitor import Monitor
     from navfmu.engine.plan import Plan
     from navfmu.faults import Fault
 
 ENGINES = ("compiled", "reference")
 ALGORITHMS = ("gauss_seidel", "jacobi")
 ROWS = 10_000  # recorded at every step up to here, then more rarely, unless a period is given
-FORMAT = 2  # of what a key covers; raise it when that changes
+FORMAT = 3  # of what a key covers; raise it when that changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,7 @@ class Experiment:
     component with a parameter of that name and to the faults. ``parameters`` are laid over those of the system:
     ``{"imu.gyro_drift_sigma": "1 deg/h"}``. ``faults`` names fault files or holds faults. ``record`` names signals,
     arrays or bundles ("imu.reading"), components, patterns ("imu.*"), and values before faults
-    ("imu.reading.rate[1]@true"); every ``record_period`` (s) a row is recorded.
+    ("imu.reading.rate[1]@true"); every ``record_period`` (s) a row is recorded. ``monitors`` are asked at every step.
     """
 
     system: Assembly
@@ -59,6 +60,7 @@ class Experiment:
     record_period: float = None  # type: ignore[assignment]
     parameters: Mapping[str, Any] = field(default_factory=dict)
     engine: str = "compiled"
+    monitors: Sequence[Monitor] = ()
 
     def __post_init__(self) -> None:
         stop = self._suggested("stop", self.system.structure.stop_time)
@@ -80,6 +82,7 @@ class Experiment:
             ("record", self._names()),
             ("record_period", float(period)),
             ("parameters", self._parameters()),
+            ("monitors", tuple(self.monitors)),
         ):
             object.__setattr__(self, name, value)
 
@@ -176,6 +179,7 @@ class Experiment:
             record=self.record,
             record_period=self.record_period,
             faults=self.faults,
+            monitors=self.monitors,
             seed=1 if self.seed is None else self.seed,
         )
 
@@ -236,11 +240,13 @@ class Experiment:
             "faults": [fault.describe() for fault in self.faults],
             "record": list(self.record),
             "record_period": self.record_period,
+            "monitors": [monitor.describe() for monitor in self.monitors],
         }
 
     @classmethod
     def restored(cls, description: Mapping[str, Any], system: Assembly) -> Self:
         """The experiment of a description, with its system, which must be the same as then."""
+        from navfmu.engine.monitor import Monitor
         from navfmu.faults import Fault
 
         if system.digest != description["digest"]:
@@ -248,7 +254,9 @@ class Experiment:
                 f"{description['system']}: is not the system that was run: its FMUs, connections or values have changed"
             )
         given = {name: description[name] for name in description if name not in ("system", "variant", "digest")}
-        return cls(system, **given | {"faults": [Fault.of(entry) for entry in given["faults"]]})
+        faults = [Fault.of(entry) for entry in given["faults"]]
+        monitors = [Monitor(**entry) for entry in given["monitors"]]
+        return cls(system, **given | {"faults": faults, "monitors": monitors})
 
     def provenance(self) -> dict[str, Any]:
         """What is needed to repeat the run, and to see that it is the same."""

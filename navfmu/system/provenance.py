@@ -12,7 +12,16 @@ from navfmu import __version__
 from navfmu.engine.library import binary_hash
 
 PACKAGES = ("numpy", "pandas", "fmpy")
-ROOMS = ("errors", "files", "fmi", "ssp", "faults", "engine", "system")  # of the package: what makes a recording
+ROOMS = (
+    "errors",
+    "files",
+    "fmi",
+    "ssp",
+    "expressions",
+    "faults",
+    "engine",
+    "system",
+)  # of the package: what makes a recording
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -36,7 +45,8 @@ def versions() -> dict[str, str]:
 def package_hash() -> str:
     """A hash of what makes a recording, in Python and in C: a mended engine makes its runs anew."""
     digest = hashlib.sha256(binary_hash().encode())
-    for file in sorted(file for file in _PACKAGE.rglob("*.py") if _room(file) in ROOMS):
+    files = (file for ending in ("py", "lark") for file in _PACKAGE.rglob(f"*.{ending}"))
+    for file in sorted(file for file in files if _room(file) in ROOMS):
         content = file.read_bytes().replace(b"\r\n", b"\n")
         digest.update(f"{file.relative_to(_PACKAGE).as_posix()} {len(content)} ".encode() + content)
     return digest.hexdigest()[:32]

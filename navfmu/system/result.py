@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -71,7 +72,8 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     """A recording with time (s) as index; Booleans and Integers in their own types.
 
     In ``attrs``: ``units`` by signal; ``not_finite``, at how many points a signal is NaN or infinite; ``lost``, how
-    many samples each counter says were lost; ``idle``, the faults that changed nothing and why.
+    many samples each counter says were lost; ``idle``, the faults that changed nothing and why; ``observed``, what
+    monitors saw (:class:`navfmu.engine.monitor.Observed`).
     """
     import numpy as np
     import pandas
@@ -82,6 +84,7 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
     frame.attrs["not_finite"] = {name: count for name, (count, _) in recording.not_finite.items()}
+    frame.attrs["observed"] = {name: asdict(seen) for name, seen in recording.observed.items()}
     frame.attrs["lost"] = dict(recording.lost)
     frame.attrs["idle"] = {fault: visible(why) for fault, why in recording.idle.items()}
     return frame

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from navfmu import Experiment, NavfmuError, NavfmuWarning, System
 from navfmu.cli.main import main
+from navfmu.engine.monitor import Monitor
 from navfmu.faults import Fault
 from navfmu.system import provenance
 from navfmu.system.result import read
@@ -51,6 +52,7 @@ CHANGES = {
     "record_period": 0.5,
     "parameters": {"lag.tau": 2.0},
     "engine": "reference",
+    "monitors": [Monitor("m", "lag.y", most=2.0)],
 }
 
 
@@ -92,6 +94,8 @@ def test_a_changed_line_in_any_of_these_rooms_changes_the_hash(tmp_path, monkeyp
 
 
 def test_a_description_survives_json_and_becomes_the_same_experiment(experiment, system):
+    monitors = [Monitor("m", "lag.y", most=2.0, when="time > 1 s", tolerance=0.5), Monitor("n", "lag.y < 3")]
+    experiment = replace(experiment, monitors=monitors)
     text = json.dumps(experiment.describe())
     again = Experiment.restored(json.loads(text), system)
     assert again.key == experiment.key and json.dumps(again.describe()) == text
