@@ -21,6 +21,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "recorded",
     "sweep",
     "campaign",
+    "testing",
     "cli",
     "__main__",
 )

@@ -13,6 +13,7 @@ import importlib.metadata
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from navfmu.errors import NavfmuError
 from navfmu.export import archive, description, interpreter, ir, life
@@ -89,7 +90,26 @@ if "_INTERPRETER" not in globals():
     _INTERPRETER = _load("navfmu.export.interpreter").Interpreter
     _ERROR = _load("navfmu.errors").NavfmuError
     _COMPONENT = getattr(_load({module!r}), {component!r})
+'''
 
+_LIVE = '''"""FMU {name} in Python: the class as it is in the process that runs it."""
+
+# PythonFMU runs this text once more for each instance and drops a reference to globals() that it does not own.
+globals().setdefault("_references", []).append(globals())
+
+import importlib
+import sys as _sys
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+_UNIQUE = {unique!r}
+_INTERPRETER = importlib.import_module("navfmu.export.interpreter").Interpreter
+_ERROR = importlib.import_module("navfmu.errors").NavfmuError
+_COMPONENT = getattr(importlib.import_module({module!r}), {component!r})
+'''
+
+_SLAVE = '''
 
 def _tell(self, error):
     """Tell on stderr what is refused: PythonFMU gives the reason only where the host asks for its log."""
@@ -230,17 +250,23 @@ def _literal(text: str) -> str:
     return "r'''" + text + "'''"
 
 
-def module_text(component: type[Component], unique: str, categories: dict[str, str]) -> str:
-    """Return the source of the one module in the twin."""
+def module_text(component: type[Component], unique: str, categories: dict[str, str], live: bool = False) -> str:
+    """Return the source of the one module in the twin; one that is ``live`` imports the class and carries nothing."""
     layout = component.layout
     names = {"name": layout.name, "unique": unique, "component": component.__name__}
+    names |= {"module": component.__module__, "categories": categories}
+    if live:
+        return _filled(_LIVE + _SLAVE, names)
     lines = [_HEAD.format(**names)]
     for name, text in sources(component).items():
         lines.append(f"    _SOURCES[{name!r}] = {_literal(text)}\n")
-    loader = _LOADER
-    for key, value in {**names, "module": component.__module__, "categories": categories}.items():
-        loader = loader.replace("{" + key + "!r}", repr(value)).replace("{" + key + "}", str(value))
-    return "".join(lines) + loader
+    return "".join(lines) + _filled(_LOADER + _SLAVE, names)
+
+
+def _filled(text: str, values: dict[str, Any]) -> str:
+    for key, value in values.items():
+        text = text.replace("{" + key + "!r}", repr(value)).replace("{" + key + "}", str(value))
+    return text
 
 
 def _license() -> str:
@@ -249,7 +275,7 @@ def _license() -> str:
     return next(file.read_text(encoding="utf-8") for file in files if file.name.upper().startswith("LICENSE"))
 
 
-def _entries(component: type[Component], model: ir.Model, pictures: bool) -> dict[str, bytes]:
+def _entries(component: type[Component], model: ir.Model, pictures: bool, live: bool) -> dict[str, bytes]:
     """Return the files of the archive: path to content."""
     import pythonfmu
 
@@ -259,11 +285,12 @@ def _entries(component: type[Component], model: ir.Model, pictures: bool) -> dic
         raise NavfmuError(
             f"component {component.__qualname__} has a Python twin only if its class stands at the top of a module"
         )
-    text = module_text(component, _NO_NAME, life.categories())
+    text = module_text(component, _NO_NAME, life.categories(), live)
     xml = description.describe(model, archive.NO_GUID, needs_execution_tool=True, can_interpolate_inputs=False)
     guid = archive.guid(text, xml, pythonfmu.__version__)
     unique = f"{model.name}_{guid[1:-1].replace('-', '')[:16]}"
-    folder = Path(pythonfmu.__file__).parent
+    installed = importlib.metadata.distribution("pythonfmu")  # the module may be that of a twin which has run
+    folder = Path(str(installed.locate_file("pythonfmu")))
     entries = {
         "modelDescription.xml": xml.replace(archive.NO_GUID, guid).encode(),
         "documentation/index.html": documentation.page(model, None, [component], twin=True).encode(),
@@ -282,14 +309,20 @@ def _entries(component: type[Component], model: ir.Model, pictures: bool) -> dic
 
 
 def build_twin(
-    component: type[Component], out_dir: str | Path, *, model: ir.Model | None = None, pictures: bool = True
+    component: type[Component],
+    out_dir: str | Path,
+    *,
+    model: ir.Model | None = None,
+    pictures: bool = True,
+    live: bool = False,
 ) -> Path:
     """Write ``out_dir/NAME.fmu``, the PythonFMU twin of a component; the same inputs give the same bytes.
 
-    ``model`` is the lowered component, if the caller has it already. Without ``pictures`` there is no icon.
+    ``model`` is the lowered component, if the caller has it already. Without ``pictures`` there is no icon. A ``live``
+    one is for this process only: it runs the class itself, where a debugger finds it, and carries no sources.
     """
     if model is None:
         from navfmu.export.lower import lower
 
         model = lower(component)
-    return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model, pictures))
+    return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model, pictures, live))
