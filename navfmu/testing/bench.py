@@ -36,7 +36,11 @@ FINDINGS = {  # what makes a run another one than the test is about, unless it i
     "not_finite": "a recorded value is NaN or infinite",
     "early_end": "an FMU ended the run before the stop time",
 }
-OWN = {"parameters": "s.parameters", "faults": "s.fault and s.faults"}  # of an experiment, and where they are given
+OWN = {
+    "parameters": "s.parameters",
+    "faults": "s.fault and s.faults",
+    "monitors": "s.require",
+}  # of an experiment, and where
 
 
 class Bench:
