@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from navfmu.campaign.axis import Axis
+from navfmu.campaign.case import Case
 from navfmu.campaign.requirement import Requirement
-from navfmu.faults import Fault
+from navfmu.campaign.search import Search
 from navfmu.system.system import System
-
-
-@dataclass(frozen=True)
-class Case:
-    """One thing that is done to the system."""
-
-    name: str
-    description: str = ""
-    faults: tuple[Fault, ...] = ()
-    parameters: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -39,8 +31,26 @@ class Campaign:
     record: tuple[str, ...]
     record_period: float | None
     requirements: tuple[Requirement, ...]
+    axes: tuple[Axis, ...] = ()
+    searches: tuple[Search, ...] = ()
 
     @property
     def size(self) -> int:
-        """How many runs it has."""
-        return len(self.systems) * len(self.cases) * len(self.seeds)
+        """How many runs it has; with searches, at most."""
+        cases = len(self.cases) + sum(search.most for search in self.searches)
+        return len(self.systems) * cases * len(self.seeds)
+
+    def searched(self, search: Search, variant: str) -> bool:
+        """Whether a variant is searched: one that the requirement is asked of."""
+        requirement = next(r for r in self.requirements if r.id == search.requirement)
+        return requirement.applies(variant, search.case.written)
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        """The step sizes of its runs, s."""
+        cases = *self.cases, *(search.case for search in self.searches)
+        return tuple(sorted({self.step if case.step is None else case.step for case in cases}))
+
+    def columns(self, case: Case) -> dict[str, float | str | bool | None]:
+        """What a table says of a case beside its name: the value of each axis, None where it does not vary it."""
+        return {axis.heading: case.values.get(axis.name) for axis in self.axes}

@@ -7,7 +7,7 @@ whose requirements changed, runs only what is missing; the files of 1 and of man
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from navfmu.campaign.crew import Crew
@@ -15,6 +15,8 @@ from navfmu.campaign.definition import Campaign
 from navfmu.campaign.flight import fly
 from navfmu.campaign.outcome import Outcome, evaluate
 from navfmu.campaign.runs import Answer, Run, runs_of
+from navfmu.campaign.searching import Hand, Searching
+from navfmu.campaign.threshold import sought_in
 from navfmu.errors import Interrupted, NavfmuError, check_progress, nearest
 from navfmu.files.writing import TEMPORARY
 from navfmu.system.pool import Board, Report, in_threads
@@ -61,33 +63,36 @@ def run_campaign(
             if wanted[run.key] is run
             and (run.key not in answers or (retry_failed and answers[run.key].error is not None))
         ]
-        board = Board(sum(_steps(run) for run in missing), progress, len(missing))
+        board = Board(sum(run.steps for run in missing), progress, len(missing))
+        searching = Searching(sought_in(campaign), folder, retry_failed, progress)
         try:
             with _hands(workers, timeout) as hand:
-                for _ in in_threads(missing, lambda run: hand(run, folder, board), jobs, board):
+                for _ in in_threads(missing, lambda run: hand(run, folder, board.of(run.key, run.steps)), jobs, board):
                     pass
+                thresholds = searching.found(hand, jobs)
         except KeyboardInterrupt:
-            kept = len(_kept(runs, folder)[0])
-            raise Interrupted(
-                f"interrupted: {kept} of {len(runs)} runs are finished and kept in {folder}; the same command continues"
-            ) from None
-        outcome = evaluate(campaign, runs, _kept(runs, folder)[0], folder, mended)
+            raise Interrupted(_interrupted(len(_kept(runs, folder)[0]), len(runs), searching, folder)) from None
+        mended = (*mended, *searching.mended)
+        outcome = evaluate(campaign, runs, _kept(runs, folder)[0], folder, mended, thresholds)
         write_report(outcome, folder, None if progress is None else lambda n, of: progress(n, of, "drawing the report"))
     return outcome
 
 
-def _steps(run: Run) -> int:
-    return round(run.experiment.stop / run.experiment.step)
-
-
 @contextlib.contextmanager
-def _hands(workers: str, timeout: float | None) -> Iterator[Callable[[Run, Path, Board], None]]:
+def _hands(workers: str, timeout: float | None) -> Iterator[Hand]:
     """Who flies a run."""
     if workers == "thread":
-        yield lambda run, folder, board: fly(run, folder, board.of(run.key, _steps(run)))
+        yield fly
         return
     with Crew(timeout) as crew:
-        yield lambda run, folder, board: crew.fly(run, folder, board.of(run.key, _steps(run)))
+        yield crew.fly
+
+
+def _interrupted(kept: int, of: int, searching: Searching, folder: Path) -> str:
+    if not searching.sought:
+        return f"interrupted: {kept} of {of} runs are finished and kept in {folder}; the same command continues"
+    more = f"and {searching.seen} of searches " if searching.seen else ""
+    return f"interrupted: {kept} of {of} runs {more}are finished and kept in {folder}; the same command continues"
 
 
 @contextlib.contextmanager

@@ -19,45 +19,57 @@ from = 300.0                         # s, or "5 min"
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from navfmu.campaign.asked import requirement_of
-from navfmu.campaign.definition import Campaign, Case
+from navfmu.campaign.axes import Axes, axes_of, design_of
+from navfmu.campaign.case import Case
+from navfmu.campaign.cases import Cases
+from navfmu.campaign.definition import Campaign
+from navfmu.campaign.rehearsal import Rehearsal, leaves
 from navfmu.campaign.requirement import MAIN, Requirement
-from navfmu.campaign.runs import experiment_of
-from navfmu.campaign.schema import CampaignFile, CaseEntry
+from navfmu.campaign.schema import CampaignFile
 from navfmu.campaign.seeds import parse_seeds
 from navfmu.engine.clock import Clock
-from navfmu.engine.plan import ALGORITHMS, Plan
+from navfmu.engine.plan import ALGORITHMS
 from navfmu.errors import NavfmuError, nearest
-from navfmu.faults import Fault, load_faults
 from navfmu.files.reading import located, what_is
 from navfmu.files.schema import validated
-from navfmu.files.toml import Document, Place
+from navfmu.files.toml import Document
 from navfmu.fmi.seconds import seconds
 from navfmu.ssp import reader
 from navfmu.system import shipped
+from navfmu.system.pool import Report
 from navfmu.system.system import System
 
+CEILING = 1_000_000  # runs of one campaign
 
-def load_campaign(path: str | Path, seeds: str | None = None, *, strict: bool = False) -> Campaign:
+
+def load_campaign(
+    path: str | Path,
+    seeds: str | None = None,
+    *,
+    strict: bool = False,
+    allow: Callable[[int], None] | None = None,
+    progress: Report | None = None,
+) -> Campaign:
     """Read a campaign file and load its systems; ``seeds`` replaces those of the file ("1-100").
 
-    ``strict`` refuses systems and FMUs that are not as SSP and FMI have it.
+    ``strict`` refuses systems and FMUs that are not as SSP and FMI have it. ``allow`` is called with the number of runs
+    that it can become, at most, before anything is made of them; it raises what ends it there.
     """
     document = Document.read(path, "campaign file")
-    return _Reader(Path(path), document, validated(document, CampaignFile), strict).read(seeds)
+    return _Reader(Path(path), document, validated(document, CampaignFile), strict).read(seeds, allow, progress)
 
 
 class _Reader:
     def __init__(self, path: Path, document: Document, content: CampaignFile, strict: bool) -> None:
         self.path, self.document, self.content, self.strict = path, document, content, strict
 
-    def read(self, seeds: str | None) -> Campaign:
+    def read(self, seeds: str | None, allow: Callable[[int], None] | None, progress: Report | None) -> Campaign:
         content, error = self.content, self.document.error
         system = self.system(content.system)
         systems = self.variants(system, content.variants)
@@ -72,24 +84,32 @@ class _Reader:
             have, hint = " and ".join(ALGORITHMS), nearest(content.algorithm, ALGORITHMS)
             raise error(f"unknown algorithm '{content.algorithm}'{hint} (there are {have})", "algorithm")
         numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds is not None else None
-        cases = self.cases(main)
+        written = self.cases(main)
+        numbers = numbers or parse_seeds(content.seeds, lambda s: error(s, "seeds"))
+        requirements = self.requirements(systems, list(dict.fromkeys(case.written for case in written)), stop)
+        axes = self.axes(written, requirements)
+        self.allowed(sum(axes.runs(case) for case in written) * len(systems) * len(numbers), allow)
+        cases = [case for found in written for case in axes.points(found)]
+        self.different(cases)
         campaign = Campaign(
             name=self.name(self.path.stem if content.name is None else content.name),
             path=located(self.path),
             description=content.description,
             system=system,
             systems=systems,
-            cases=cases,
-            seeds=numbers or parse_seeds(content.seeds, lambda s: error(s, "seeds")),
+            cases=tuple(case for case in cases if not axes.searches(case)),
+            seeds=numbers,
             stop=stop,
             step=step,
             algorithm=content.algorithm,
             parameters=self.parameters(content.parameters, "parameters"),
             record=tuple(content.record or ()),
             record_period=period,
-            requirements=self.requirements(systems, cases, stop),
+            requirements=requirements,
+            axes=axes.all,
+            searches=tuple(search for case in cases for search in axes.searches(case)),
         )
-        self.dry_run(campaign)
+        Rehearsal(campaign, self.document, content)(progress)
         return campaign
 
     # -- entries -------------------------------------------------------------------------------------------------
@@ -123,7 +143,7 @@ class _Reader:
     def parameters(self, given: dict[str, Any], *place: str | int) -> dict[str, Any]:
         """Values by "component.parameter"; TOML reads the name without quotes as a table in a table."""
         flat: dict[str, Any] = {}
-        for keys, value in _leaves(given):
+        for keys, value in leaves(given):
             name = ".".join(keys)
             if name in flat:
                 raise self.document.error(f"the parameter '{name}' is given twice", *place, *keys)
@@ -151,38 +171,40 @@ class _Reader:
         return {name: System.load(system, None if name == MAIN else name, strict=self.strict) for name in names}
 
     def cases(self, system: System) -> tuple[Case, ...]:
+        """Those of the file, before the axes."""
         if self.content.case is None:
             return (Case("nominal", "nothing is done to the system"),)
-        cases: list[Case] = []
-        for number, entry in enumerate(self.content.case):
-            if entry.name in (case.name for case in cases):
-                raise self.document.error(f"there are two cases named '{entry.name}'", "case", number, "name")
-            faults = self.faults(system, entry, number)
-            parameters = self.parameters(entry.parameters, "case", number, "parameters")
-            cases.append(Case(entry.name, entry.description, faults, parameters))
-        return tuple(cases)
+        return Cases(self.document, system, self.beside, self.parameters, CEILING).of(self.content.case)
 
-    def faults(self, system: System, entry: CaseEntry, number: int) -> tuple[Fault, ...]:
-        """The faults of a case; each knows the file that it is from."""
-        names = [entry.faults] if isinstance(entry.faults, str) else entry.faults or []
-        found: list[Fault] = []
-        for place, name in enumerate(names):
-            where = "case", number, "faults", place
-            try:
-                beside = self.beside(name)
-                here = what_is(beside) not in (None, "a folder")
-                path = beside if here else system.own_attachment("faults", name)
-            except NavfmuError as error:
-                raise self.document.error(str(error), *where) from None
-            if not here and path == Path(name):  # not in the system either; the current folder does not matter
-                raise self.document.error(f"there is no fault file '{name}'", *where)
-            found += [replace(fault, file=str(path if here else name)) for fault in load_faults(path)]
-        try:
-            return system.faults(found)
-        except NavfmuError as error:
-            raise self.document.error(str(error), "case", number, "faults") from None
+    def axes(self, cases: Sequence[Case], requirements: Sequence[Requirement]) -> Axes:
+        """What varies in the cases."""
+        entries = self.content.axis or ()
 
-    def requirements(self, systems: dict[str, System], cases: Sequence[Case], stop: float) -> tuple[Requirement, ...]:
+        def error(table: str) -> Callable[..., NavfmuError]:
+            return lambda sentence, *place: self.document.error(sentence, table, *place)
+
+        design = design_of(self.content.design, bool(entries), error("design"))
+        return axes_of(
+            entries, design, cases, requirements, error("axis"), lambda number: self.document.where("axis", number)
+        )
+
+    def allowed(self, runs: int, allow: Callable[[int], None] | None) -> None:
+        """Refuse more runs than can be kept; ``allow`` may refuse fewer."""
+        if runs > CEILING:
+            count = f"{runs:,}".replace(",", " ")
+            raise self.document.error(f"has {count} runs, more than {CEILING:,}".replace(",", " "))
+        if allow is not None:
+            allow(runs)
+
+    def different(self, cases: Sequence[Case]) -> None:
+        """Refuse names that two cases have, one of the file and one of a pair or a point."""
+        written = [entry.name for entry in self.content.case or ()]
+        for name, count in Counter(case.name for case in cases).items():
+            if count > 1:
+                number = next((written.index(case.written) for case in reversed(cases) if case.name == name), 0)
+                raise self.document.error(f"there are two cases named '{name}'", "case", number, "name")
+
+    def requirements(self, systems: dict[str, System], cases: Sequence[str], stop: float) -> tuple[Requirement, ...]:
         found: list[Requirement] = []
         for number, entry in enumerate(self.content.requirement or ()):
 
@@ -191,67 +213,5 @@ class _Reader:
 
             if entry.id in (requirement.id for requirement in found):
                 raise error(f"there are two requirements '{entry.id}'", "id")
-            found.append(requirement_of(entry, systems, [case.name for case in cases], stop, error))
+            found.append(requirement_of(entry, systems, cases, stop, error))
         return tuple(found)
-
-    # -- the dry run ---------------------------------------------------------------------------------------------
-
-    def dry_run(self, campaign: Campaign) -> None:
-        """Make the plan of one run of each variant and case, so that nothing is found wrong after hours."""
-        for variant in campaign.systems:
-            for number, case in enumerate(campaign.cases):
-                try:
-                    plan = experiment_of(campaign, variant, case).plan()
-                    _refuse_idle(plan, case.faults)
-                except NavfmuError as error:
-                    place = self.culprit(str(error), campaign, case, number)
-                    sentence = f"variant '{variant}', case '{case.name}': {error}"
-                    raise self.document.error(sentence, *place) from None
-        self.windows(campaign, plan.record_every * plan.clock.step)
-
-    def culprit(self, sentence: str, campaign: Campaign, case: Case, number: int) -> Place:
-        """The place of the entry that a sentence about a plan quotes, where it is one of this file."""
-        for table, place in (
-            (self.content.case[number].parameters if self.content.case else {}, ("case", number, "parameters")),
-            (self.content.parameters, ("parameters",)),
-        ):
-            for keys, _ in _leaves(table):
-                if f"parameter '{'.'.join(keys)}'" in sentence:
-                    return *place, *keys
-        for place, name in enumerate(campaign.record):
-            if f"recorded signal '{name}'" in sentence:
-                return "record", place
-        if any(fault.where and fault.where in sentence for fault in case.faults):
-            return "case", number, "faults"
-        return ()
-
-    def windows(self, campaign: Campaign, period: float) -> None:
-        """Refuse a requirement that no recorded point can answer."""
-        for number, requirement in enumerate(campaign.requirements):
-            last = min(requirement.end, campaign.stop)
-            first = math.ceil(requirement.start / period - 1e-9) * period
-            if first > last + 1e-9:
-                raise self.document.error(
-                    f"no point is recorded from {requirement.start:g} s to {last:g} s: "
-                    f"the recording period is {period:g} s",
-                    "requirement",
-                    number,
-                    "from" if requirement.start > 0 else "to",
-                )
-
-
-def _refuse_idle(plan: Plan, faults: Sequence[Fault]) -> None:
-    """A case must not be certified that does not happen."""
-    for fault in faults:
-        if fault.id in plan.idle:
-            place = f"{fault.where}: " if fault.where else ""
-            raise NavfmuError(f"{place}fault '{fault.id}' {plan.idle[fault.id]}: it cannot act")
-
-
-def _leaves(tables: dict[str, Any], keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Keys and values of tables in tables."""
-    for name, value in tables.items():
-        if isinstance(value, dict):
-            yield from _leaves(value, (*keys, name))
-        else:
-            yield (*keys, name), value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -11,32 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from navfmu.campaign.judged import Judged, judge_run, read_series
 from navfmu.campaign.remarks import SAME, remarks
-from navfmu.campaign.requirement import Finding, Requirement, enough, judge, wilson
+from navfmu.campaign.requirement import Finding, Requirement, enough, wilson
+from navfmu.campaign.threshold import Threshold
 
 if TYPE_CHECKING:
-    from navfmu.campaign.definition import Campaign, Case
+    from navfmu.campaign.case import Case
+    from navfmu.campaign.definition import Campaign
     from navfmu.campaign.runs import Answer, Run
-
-
-@dataclass(frozen=True)
-class Judged:
-    """One run, how it ended, and its findings by requirement."""
-
-    run: Run
-    answer: Answer
-    findings: dict[str, Finding]
-    remarks: tuple[str, ...] = ()  # on the campaign itself, where they concern this run
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the run noted, and what the campaign has to say of it."""
-        return *self.answer.notes, *self.remarks
-
-    @property
-    def error(self) -> str | None:
-        """Why there are no findings."""
-        return self.answer.error
 
 
 @dataclass(frozen=True)
@@ -73,24 +57,29 @@ class Outcome:
     folder: Path
     runs: list[Judged]
     cells: list[Cell]
-    points: np.ndarray  # s, when rows were to be recorded; a run that an FMU has ended has fewer
     mended: tuple[str, ...] = ()  # files of earlier runs that were damaged, and so flown again
+    thresholds: tuple[Threshold, ...] = ()  # of searches, whose runs are not among ``runs``
 
     @property
     def passed(self) -> bool:
         """Whether every requirement holds everywhere, every run ended well, every number is one, every fault acted."""
-        ended_well = not any(j.error or j.answer.not_finite or j.answer.idle for j in self.runs)
-        return ended_well and all(cell.passed for cell in self.cells)
+        ended_well = not any(j.error or j.answer.not_finite for j in self.every)
+        return ended_well and not self.idle and all(cell.passed for cell in self.cells)
+
+    @functools.cached_property
+    def every(self) -> list[Judged]:
+        """All runs, those of searches last."""
+        return [*self.runs, *(probe for threshold in self.thresholds for probe in threshold.probes)]
 
     @property
     def notes(self) -> dict[str, int]:
         """What the runs noted, each sentence with the number of runs that did, and remarks on the campaign."""
-        return dict(Counter(note for judged in self.runs for note in judged.answer.notes)) | self.remarks
+        return dict(Counter(note for judged in self.every for note in judged.answer.notes)) | self.remarks
 
     @property
     def remarks(self) -> dict[str, int]:
         """What is to be said of the campaign itself, each sentence with the number of runs that it concerns."""
-        return dict(Counter(remark for judged in self.runs for remark in judged.remarks))
+        return dict(Counter(remark for judged in self.every for remark in judged.remarks))
 
     @property
     def idle(self) -> dict[tuple[str, str, str, str], list[int]]:
@@ -99,6 +88,10 @@ class Outcome:
         for judged in self.runs:
             for fault, why in judged.answer.idle.items():
                 found.setdefault((judged.run.variant, judged.run.case.name, fault, why), []).append(judged.run.seed)
+        for threshold in self.thresholds:
+            sought = threshold.sought
+            for fault, why in threshold.idle.items():
+                found.setdefault((sought.variant, sought.search.case.name, fault, why), []).append(sought.seed)
         return found
 
     @property
@@ -108,7 +101,11 @@ class Outcome:
 
     def of(self, variant: str, case: str) -> list[Judged]:
         """The runs of a variant in a case."""
-        return [judged for judged in self.runs if judged.run.variant == variant and judged.run.case.name == case]
+        return self._groups.get((variant, case), [])
+
+    @functools.cached_property
+    def _groups(self) -> dict[tuple[str, str], list[Judged]]:
+        return grouped(self.runs)
 
     def series(self, judged: Judged, signals: Sequence[str]) -> dict[str, np.ndarray]:
         """Recorded signals of a run, with "time"; those it does not have are left out."""
@@ -117,8 +114,9 @@ class Outcome:
     def table(self) -> list[dict[str, Any]]:
         """One row for each run and requirement."""
         rows = []
-        for judged in self.runs:
-            head = {"variant": judged.run.variant, "case": judged.run.case.name, "seed": judged.run.seed}
+        for judged in self.every:
+            head = {"variant": judged.run.variant, "case": judged.run.case.name}
+            head |= self.campaign.columns(judged.run.case) | {"seed": judged.run.seed}
             tail = {
                 "error": judged.error or "",
                 "not_finite": " ".join(judged.answer.not_finite),
@@ -135,48 +133,43 @@ class Outcome:
 
 
 def evaluate(
-    campaign: Campaign, runs: list[Run], answers: dict[str, Answer], folder: Path, mended: tuple[str, ...] = ()
+    campaign: Campaign,
+    runs: list[Run],
+    answers: dict[str, Answer],
+    folder: Path,
+    mended: tuple[str, ...] = (),
+    thresholds: Sequence[Threshold] = (),
 ) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
-    points = runs[0].experiment.points
-    judged = [
-        replace(_judge_run(campaign, run, answers[run.key], folder, points), remarks=said)
-        for run, said in zip(runs, remarks(campaign, runs, points), strict=True)
-    ]
-    cells = []
+    judged = remarked(campaign, [judge_run(campaign, run, answers[run.key], folder) for run in runs])
+    found = [replace(one, probes=tuple(remarked(campaign, list(one.probes)))) for one in thresholds]
+    groups, cells = grouped(judged), []
     for variant in campaign.systems:
         for case in campaign.cases:
-            group = [j for j in judged if j.run.variant == variant and j.run.case.name == case.name]
+            group = groups[variant, case.name]
             for requirement in campaign.requirements:
-                if requirement.applies(variant, case.name):
-                    cells.append(_cell(requirement, variant, case, group, folder, points))
-    return Outcome(campaign, folder, judged, cells, points, mended)
+                if requirement.applies(variant, case.written):
+                    cells.append(_cell(requirement, variant, case, group, folder))
+    return Outcome(campaign, folder, judged, cells, mended, tuple(found))
 
 
-def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
-    """Columns of a recording."""
-    from pyarrow import parquet
-
-    data = parquet.ParquetFile(file)
-    names = [name for name in ("time", *dict.fromkeys(signals)) if name in data.schema_arrow.names]
-    table = data.read(columns=names)
-    return {name: table[name].to_numpy() for name in names}
+def remarked(campaign: Campaign, judged: list[Judged]) -> list[Judged]:
+    """The runs with what is to be said of the campaign itself."""
+    said = remarks(campaign, [one.run for one in judged])
+    return [replace(one, remarks=sentences) for one, sentences in zip(judged, said, strict=True)]
 
 
-def _judge_run(campaign: Campaign, run: Run, answer: Answer, folder: Path, points: np.ndarray) -> Judged:
-    if answer.error is not None:
-        return Judged(run, answer, {})
-    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
-    series = read_series(run.recording(folder), [r.signal for r in asked])
-    findings = {r.id: judge(r, points, series[r.signal]) for r in asked}
-    return Judged(run, answer, {name: finding for name, finding in findings.items() if finding is not None})
+def grouped(runs: Sequence[Judged]) -> dict[tuple[str, str], list[Judged]]:
+    """The runs of each variant and case."""
+    groups: dict[tuple[str, str], list[Judged]] = {}
+    for judged in runs:
+        groups.setdefault((judged.run.variant, judged.run.case.name), []).append(judged)
+    return groups
 
 
-def _cell(
-    requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path, points: np.ndarray
-) -> Cell:
+def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
     if requirement.quantile is not None:
-        return _quantile_cell(requirement, variant, case, group, folder, points)
+        return _quantile_cell(requirement, variant, case, group, folder)
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
     held = sum(finding.held != requirement.expect_violated for j, finding in found if not j.answer.idle)
     total = len(group)
@@ -234,15 +227,14 @@ def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
     return -finding.percent, float(requirement.excess(np.array([finding.worst]))[0])
 
 
-def _quantile_cell(
-    requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path, points: np.ndarray
-) -> Cell:
+def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
     """A quantile over the runs at every time."""
     good = [j for j in group if j.error is None]
     rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
     if not rows:
         sentence = "every run ended with an error"
         return Cell(requirement, variant, case.name, False, 0, len(group), sentence, None, _distinct(group))
+    points = good[0].run.experiment.points  # of one step: that of the case
     window = requirement.window(points)
     values = np.full((len(rows), len(points)), np.nan)  # a run that ended early is outside from then on
     for number, row in enumerate(rows):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.runs import Run
 from navfmu.system.experiment import Experiment
@@ -13,15 +11,15 @@ from navfmu.system.experiment import Experiment
 SAME = "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
 
 
-def remarks(campaign: Campaign, runs: list[Run], points: np.ndarray) -> list[tuple[str, ...]]:
-    """For each run the sentences that concern it; ``points`` (s) are the times of recorded rows."""
+def remarks(campaign: Campaign, runs: list[Run]) -> list[tuple[str, ...]]:
+    """For each run the sentences that concern it."""
     matters: dict[tuple[str, str], bool] = {}
     found = []
     for run in runs:
         group = run.variant, run.case.name
         if group not in matters:
             matters[group] = seeds_matter(run.experiment, campaign.seeds)
-        late = _judged_no_further(campaign, run, float(points[-1]))
+        late = _judged_no_further(campaign, run, float(run.experiment.points[-1]))
         found.append((*(() if matters[group] else (SAME,)), *((late,) if late else ())))
     return found
 
@@ -36,7 +34,7 @@ def seeds_matter(experiment: Experiment, seeds: tuple[int, ...]) -> bool:
 
 def _judged_no_further(campaign: Campaign, run: Run, last: float) -> str:
     """A sentence on requirements that ask of the time after the last recorded point (s), or ""."""
-    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.name)]
+    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.written)]
     beyond = [r.id for r in asked if min(r.end, campaign.stop) > last * (1.0 + 1e-12)]
     if not beyond:
         return ""

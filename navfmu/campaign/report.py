@@ -8,12 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from navfmu.campaign.definition import Case
+from navfmu.campaign.case import Case
+from navfmu.campaign.definition import Campaign
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.scenes import pictures_of, scene
 from navfmu.campaign.seeds import seeds_text
 from navfmu.campaign.statistics import Found, statistics
+from navfmu.campaign.threshold import Threshold
 from navfmu.files.writing import replacing, write_file
 from navfmu.report import faults
 from navfmu.report.page import Page
@@ -23,7 +25,7 @@ from navfmu.system.report_file import missing
 
 Note = Callable[[int, int], None]  # sections drawn, sections to draw
 PICTURED = 12  # cells of the matrix with pictures; the tables have all of them
-FILES = ("runs.csv", "runs.parquet", "verdicts.csv", "campaign.json", "report.html")
+FILES = ("runs.csv", "runs.parquet", "verdicts.csv", "thresholds.csv", "campaign.json", "report.html")
 
 
 def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Path:
@@ -33,6 +35,10 @@ def write_report(outcome: Outcome, folder: Path, note: Note | None = None) -> Pa
     write_file(folder / "runs.csv", as_csv(rows))
     _write_parquet(rows, folder / "runs.parquet", about)
     write_file(folder / "verdicts.csv", as_csv(_verdicts(outcome)))
+    if outcome.thresholds:
+        write_file(folder / "thresholds.csv", as_csv([threshold.row() for threshold in outcome.thresholds]))
+    else:  # those of an earlier start, with searches
+        (folder / "thresholds.csv").unlink(missing_ok=True)
     numbers = list(statistics(outcome))
     for found in numbers:
         write_file(folder / found.file, as_csv(found.rows))
@@ -51,10 +57,19 @@ def provenance(outcome: Outcome) -> dict[str, Any]:
         "system": str(campaign.system),
         "digests": {name: system.digest for name, system in campaign.systems.items()},
         "fmus": {name: system.hashes() for name, system in campaign.systems.items()},
-        "cases": {
-            case.name: {"faults": [fault.describe() for fault in case.faults], "parameters": case.parameters}
-            for case in campaign.cases
-        },
+        "cases": {case.name: _described(campaign, case) for case in campaign.cases},
+        "searches": [
+            _described(campaign, search.case)
+            | {
+                "case": search.case.name,
+                "axis": search.axis.heading,
+                "low": search.span.low,
+                "high": search.span.high,
+                "requirement": search.requirement,
+                "tolerance": search.axis.goal.tolerance,
+            }
+            for search in campaign.searches
+        ],
         "requirements": {requirement.id: requirement.sentence for requirement in campaign.requirements},
         "seeds": list(campaign.seeds),
         "stop": campaign.stop,
@@ -66,13 +81,22 @@ def provenance(outcome: Outcome) -> dict[str, Any]:
     }
 
 
+def _described(campaign: Campaign, case: Case) -> dict[str, Any]:
+    """What a case does, as plain data."""
+    found = {"faults": [fault.describe() for fault in case.faults], "parameters": case.parameters}
+    values = {name: value for name, value in campaign.columns(case).items() if value is not None}
+    return found | ({"axes": values} if values else {}) | ({} if case.step is None else {"step": case.step})
+
+
 def _verdicts(outcome: Outcome) -> list[dict[str, Any]]:
+    columns = {case.name: outcome.campaign.columns(case) for case in outcome.campaign.cases}
     return [
         {
             "requirement": cell.requirement.id,
             "sentence": cell.requirement.sentence,
             "variant": cell.variant,
             "case": cell.case,
+            **columns[cell.case],
             "verdict": "holds" if cell.passed else "violated",
             "runs_held": cell.held,
             "runs": cell.total,
@@ -101,9 +125,13 @@ def pictured(outcome: Outcome) -> list[tuple[str, Case]]:
     campaign = outcome.campaign
     every = [(variant, case) for case in campaign.cases for variant in campaign.systems]
 
+    bad: dict[tuple[str, str], float] = {}
+    for cell in outcome.cells:
+        place = cell.variant, cell.case
+        bad[place] = bad.get(place, 0.0) + (not cell.passed) + (1.0 - cell.held / max(cell.total, 1))
+
     def badness(pair: tuple[str, Case]) -> float:
-        cells = [c for c in outcome.cells if (c.variant, c.case) == (pair[0], pair[1].name)]
-        return sum((not c.passed) + (1.0 - c.held / max(c.total, 1)) for c in cells)
+        return bad.get((pair[0], pair[1].name), 0.0)
 
     first = len(campaign.systems)
     chosen = every[:first] + sorted(every[first:], key=badness, reverse=True)
@@ -114,12 +142,15 @@ def page(outcome: Outcome, about: dict[str, Any], numbers: list[Found], note: No
     """The whole report."""
     campaign = outcome.campaign
     sizes = f"{len(campaign.systems)} variants x {len(campaign.cases)} cases x {len(campaign.seeds)} seeds"
+    steps = " to ".join(f"{step:g}" for step in dict.fromkeys((campaign.steps[0], campaign.steps[-1])))
+    searches = f", {len(outcome.every) - len(outcome.runs)} runs of searches" if outcome.thresholds else ""
     result = Page(
         f"Campaign {campaign.name}",
-        f"{campaign.description + '. ' if campaign.description else ''}{len(outcome.runs)} runs ({sizes}) of "
-        f"{campaign.stop:g} s in steps of {campaign.step:g} s, {campaign.algorithm}",
+        f"{campaign.description + '. ' if campaign.description else ''}{len(outcome.runs)} runs ({sizes}){searches} of "
+        f"{campaign.stop:g} s in steps of {steps} s, {campaign.algorithm}",
     )
     _verdict_section(result, outcome)
+    _threshold_section(result, outcome)
     _statistics_section(result, numbers)
     _case_section(result, outcome)
     _failures(result, outcome)
@@ -140,10 +171,11 @@ def page(outcome: Outcome, about: dict[str, Any], numbers: list[Found], note: No
 
 def _verdict_section(result: Page, outcome: Outcome) -> None:
     result.heading("Verdicts")
-    if not outcome.cells:
-        result.text("The campaign has no requirements.")
-        return
     campaign = outcome.campaign
+    if not outcome.cells:
+        asked = "Every case is searched." if campaign.requirements and not campaign.cases else ""
+        result.text(asked or "The campaign has no requirements.")
+        return
     ids = [requirement.id for requirement in campaign.requirements]
     cells = {(cell.variant, cell.case, cell.requirement.id): cell for cell in outcome.cells}
     groups = [(variant, case.name) for variant in campaign.systems for case in campaign.cases]
@@ -188,6 +220,43 @@ def _in_words(requirement: Requirement) -> str:
     return f"{requirement.id}{severity}: {requirement.sentence}{more}"
 
 
+def _threshold_section(result: Page, outcome: Outcome) -> None:
+    """Where requirements begin to be violated: over all seeds, and of each."""
+    if not outcome.thresholds:
+        return
+    result.heading("Where requirements begin to be violated")
+    result.text(
+        "Found by bisection: of two values that are as near to one another as was asked, one holds and the other "
+        "violates. Where it holds, is violated and holds again in between, one of these changes was found."
+    )
+    summary: dict[tuple[str, str, str, str], list[Threshold]] = {}
+    for threshold in outcome.thresholds:
+        sought = threshold.sought
+        place = sought.variant, sought.search.case.name, threshold.requirement.id, sought.search.axis.heading
+        summary.setdefault(place, []).append(threshold)
+    headings = ["variant", "case", "requirement", "varied", "seeds", "with a bracket", "violated from", "holds up to"]
+    result.table(headings, [[*place, *_over_seeds(found)] for place, found in summary.items()])
+    inner, rows = Page(""), []
+    for threshold in outcome.thresholds:
+        sought = threshold.sought
+        runs, seed = str(len(threshold.probes)), str(sought.seed)
+        place = [sought.variant, sought.search.case.name, seed, threshold.requirement.id]
+        rows.append([*place, runs, threshold.sentence])
+    inner.table(["variant", "case", "seed", "requirement", "runs", "seen"], rows)
+    result.folded(f"{len(rows)} searches, one for each seed", inner)
+    if not outcome.cells:
+        result.items(_in_words(requirement) for requirement in outcome.campaign.requirements)
+
+
+def _over_seeds(found: list[Threshold]) -> list[str]:
+    """How many seeds, how many of them with a bracket, the lowest value that violates, the highest that holds."""
+    violated = [t.bracket.violated_at for t in found if t.bracket.violated_at is not None]
+    holds = [t.bracket.holds_at for t in found if t.bracket.holds_at is not None]
+    both = sum(None not in (t.bracket.holds_at, t.bracket.violated_at) for t in found)
+    ends = f"{min(violated):.9g}" if violated else "-", f"{max(holds):.9g}" if holds else "-"
+    return [str(len(found)), str(both), *ends]
+
+
 def _statistics_section(result: Page, found: list[Found]) -> None:
     for one in found:
         result.heading(one.statistic.heading())
@@ -204,10 +273,14 @@ def _statistics_section(result: Page, found: list[Found]) -> None:
 def _case_section(result: Page, outcome: Outcome) -> None:
     """What each case does to the system."""
     rows = []
+    if not outcome.campaign.cases:
+        return
     for case in outcome.campaign.cases:
-        if case.parameters:
-            values = ", ".join(f"{name} = {value}" for name, value in case.parameters.items())
-            rows.append([case.name, case.description, "", "", f"parameters: {values}", ""])
+        values = ", ".join(f"{name} = {value}" for name, value in case.parameters.items())
+        changed = [f"parameters: {values}"] if values else []
+        changed += [] if case.step is None else [f"step: {case.step:g} s"]
+        if changed:
+            rows.append([case.name, case.description, "", "", ", ".join(changed), ""])
         elif not case.faults:
             rows.append([case.name, case.description, "", "", "", ""])
         rows += [[case.name, case.description, *faults.cells(fault.describe())] for fault in case.faults]
@@ -219,7 +292,7 @@ def _case_section(result: Page, outcome: Outcome) -> None:
 
 
 def _failures(result: Page, outcome: Outcome) -> None:
-    failed = [judged for judged in outcome.runs if judged.error is not None]
+    failed = [judged for judged in outcome.every if judged.error is not None]
     if failed:
         result.heading("Runs that ended with an error")
         result.table(
@@ -230,7 +303,7 @@ def _failures(result: Page, outcome: Outcome) -> None:
 
 def _notes(result: Page, outcome: Outcome) -> None:
     """What else the reader of a verdict must know: values that are no numbers, and what the runs noted."""
-    strange = [judged for judged in outcome.runs if judged.answer.not_finite]
+    strange = [judged for judged in outcome.every if judged.answer.not_finite]
     if strange:
         result.heading("Signals that are not finite")
         result.text("NaN and infinity count as outside every bound; a campaign with such a run does not pass.")
@@ -246,7 +319,7 @@ def _notes(result: Page, outcome: Outcome) -> None:
         result.table(["variant", "case", "fault", "seeds", "why"], rows)
     if outcome.notes:
         result.heading("Notes")
-        result.items(f"{note} (in {count} of {len(outcome.runs)} runs)" for note, count in outcome.notes.items())
+        result.items(f"{note} (in {count} of {len(outcome.every)} runs)" for note, count in outcome.notes.items())
 
 
 def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> None:
@@ -280,7 +353,7 @@ def _worst(outcome: Outcome, variant: str, case: str) -> Judged | None:
 def _runs_section(result: Page, outcome: Outcome) -> None:
     inner = Page("")
     rows = []
-    for judged in outcome.runs:
+    for judged in outcome.every:
         verdicts = ", ".join(f"{name} {'holds' if f.held else 'violated'}" for name, f in judged.findings.items())
         command = judged.run.experiment.command()
         rows.append([judged.run.variant, judged.run.case.name, str(judged.run.seed), judged.error or verdicts, command])

@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from navfmu.campaign.definition import Campaign, Case
+from navfmu.campaign.case import Case
+from navfmu.campaign.definition import Campaign
 from navfmu.errors import NavfmuError
 from navfmu.files.digest import content_hash
 from navfmu.files.reading import read_bytes, what_is
@@ -29,6 +31,11 @@ class Run:
     def seed(self) -> int:
         """The seed of the run."""
         return self.experiment.seed
+
+    @property
+    def steps(self) -> int:
+        """How many macro steps it takes."""
+        return round(self.experiment.stop / self.experiment.step)
 
     def recording(self, folder: Path, whole: bool = True) -> Path:
         """The file of its recording, or of what was recorded before it failed."""
@@ -93,28 +100,35 @@ def _hash(content: dict[str, Any]) -> str:
 
 
 def runs_of(campaign: Campaign) -> list[Run]:
-    """All runs, in the order of the file."""
-    runs = []
-    for variant in campaign.systems:
-        for case in campaign.cases:
-            common = experiment_of(campaign, variant, case)
-            for seed in campaign.seeds:
-                experiment = replace(common, seed=seed)
-                runs.append(Run(variant, case, experiment, experiment.key))
-    return runs
+    """All runs but those of searches, in the order of the file."""
+    return [
+        run
+        for variant in campaign.systems
+        for case in campaign.cases
+        for run in runs_with(campaign, variant, case, campaign.seeds)
+    ]
+
+
+def runs_with(campaign: Campaign, variant: str, case: Case, seeds: Sequence[int]) -> Iterator[Run]:
+    """The runs of a variant in a case with these seeds."""
+    common = experiment_of(campaign, variant, case)
+    for seed in seeds:
+        experiment = replace(common, seed=seed)
+        yield Run(variant, case, experiment, experiment.key)
 
 
 def experiment_of(campaign: Campaign, variant: str, case: Case) -> Experiment:
     """The experiment of a variant in a case, with the first seed."""
+    step = campaign.step if case.step is None else case.step
     return Experiment(
         campaign.systems[variant],
         stop=campaign.stop,
-        step=campaign.step,
+        step=step,
         algorithm=campaign.algorithm,
         seed=campaign.seeds[0],
         faults=case.faults,
-        record=record_of(campaign, variant, case.name),
-        record_period=_record_period(campaign),
+        record=record_of(campaign, variant, case),
+        record_period=_record_period(campaign, step),
         parameters=_laid_over(campaign.parameters, case.parameters),
     )
 
@@ -124,19 +138,19 @@ def _laid_over(common: dict[str, Any], special: dict[str, Any]) -> dict[str, Any
     return {name: value for name, value in common.items() if name not in special} | special
 
 
-def record_of(campaign: Campaign, variant: str, case: str) -> list[str]:
+def record_of(campaign: Campaign, variant: str, case: Case) -> list[str]:
     """The signals that are recorded in the runs of a variant in a case."""
     system = campaign.systems[variant]
-    wanted = [r.signal for r in campaign.requirements if r.applies(variant, case)]
+    wanted = [r.signal for r in campaign.requirements if r.applies(variant, case.written)]
     wanted += system.signals(campaign.record) if campaign.record else []
     wanted += system.report.signals(system.fmus) if system.report else []
     return list(dict.fromkeys(wanted)) or system.signals()
 
 
-def _record_period(campaign: Campaign) -> float | None:
+def _record_period(campaign: Campaign, step: float) -> float | None:
     """That of the file, or 1 s where it fits the step and the run is longer than 100 s."""
     if campaign.record_period is not None:
         return campaign.record_period
-    count = round(1.0 / campaign.step) if campaign.step > 0 else 0
-    fits = count >= 1 and math.isclose(count * campaign.step, 1.0, rel_tol=1e-9)
+    count = round(1.0 / step) if step > 0 else 0
+    fits = count >= 1 and math.isclose(count * step, 1.0, rel_tol=1e-9)
     return 1.0 if fits and campaign.stop >= 100.0 else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from navfmu.campaign.definition import Case
+from navfmu.campaign.case import Case
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.errors import NavfmuError
 from navfmu.report.kind import Picture
@@ -39,20 +39,20 @@ def scene(outcome: Outcome, variant: str, case: Case, picture: Picture, runs: Se
         list(series.values()),
         series[shown.run.key],
         f"{variant}, {case.name}",
-        bounds_of(outcome, variant, case.name),
+        bounds_of(outcome, variant, case),
     )
 
 
 def recorded(outcome: Outcome, judged: Judged, signals: Sequence[str]) -> Recorded:
     """Recorded signals of a run."""
     series = outcome.series(judged, signals)
-    return Recorded(f"seed {judged.run.seed}", series.pop("time"), series, outcome.points)
+    return Recorded(f"seed {judged.run.seed}", series.pop("time"), series, judged.run.experiment.points)
 
 
-def bounds_of(outcome: Outcome, variant: str, case: str) -> list[Bound]:
+def bounds_of(outcome: Outcome, variant: str, case: Case) -> list[Bound]:
     """What requirements ask of a variant in a case."""
     return [
         Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end)
         for r in outcome.campaign.requirements
-        if r.applies(variant, case)
+        if r.applies(variant, case.written)
     ]

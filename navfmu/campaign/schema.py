@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator
 
-from navfmu.files.schema import Field, Table
+from navfmu.campaign.design import KINDS
+from navfmu.files.schema import Field, Number, Table
 
 Time = float | str  # s, or "5 min"
 Bound = float | str  # in the unit of the signal, or "0.5 nmi"
@@ -32,7 +33,45 @@ class CaseEntry(Table):
     faults: str | Names | None = Field(
         None, description="a fault file beside this one, or the name of one inside the system; or a list"
     )
+    each: str | Names | None = Field(
+        None, description="fault files: one case for each fault in them, beside those of 'faults'"
+    )
+    pairs: str | Names | None = Field(
+        None, description="fault files: one case for every two of the faults in them, beside those of 'faults'"
+    )
     parameters: dict[str, Any] = Field({}, description='values by "component.parameter", laid over those of the file')
+
+
+class AxisEntry(Table):
+    """Something that varies from case to case: its values one by one, or from low to high."""
+
+    name: str | None = Field(None, min_length=1, description="heading of its column; default: what it varies")
+    vary: str | Names = Field(
+        description='"fault.ID.ENTRY", "parameter.COMPONENT.NAME" or "step"; those of a list get the same value'
+    )
+    values: list[Number | bool | str] | None = Field(None, min_length=1, description="the values, one by one")
+    low: Number | str | None = Field(None, description='its least value: a number, or a text such as "0.5 deg/h"')
+    high: Number | str | None = Field(None, description="its greatest value, in the unit of 'low'")
+    count: int | None = Field(None, ge=2, le=1_000_000, description="how many values from low to high, in a grid")
+    scale: Literal["linear", "log"] = Field("linear", description="equal steps, or equal ratios, from low to high")
+    search: str | None = Field(
+        None, description="a requirement: look for the value between low and high at which it begins to be violated"
+    )
+    tolerance: Number | str | None = Field(None, description="how near that value is to be found")
+    cases: Names | None = Field(None, description="cases that it varies; default: all that have what it varies")
+
+
+class DesignEntry(Table):
+    """Which points of the axes are taken."""
+
+    kind: str = Field(
+        "factorial",
+        json_schema_extra={"enum": list(KINDS)},
+        description="factorial: every value with every other; list: the first of all axes, then the second; "
+        "latin_hypercube, sobol: points drawn from the whole of all axes",
+    )
+    count: int | None = Field(None, ge=1, le=1_000_000, description="how many points are drawn")
+    seed: int | None = Field(None, ge=0, lt=2**31, description="of the points that are drawn; default: 1")
 
 
 class RequirementEntry(Table):
@@ -73,4 +112,6 @@ class CampaignFile(Table):
     case: list[CaseEntry] | None = Field(
         None, min_length=1, description="what is done to the system; default: one case, nominal"
     )
+    axis: list[AxisEntry] | None = Field(None, min_length=1, description="what varies from case to case")
+    design: DesignEntry | None = Field(None, description="which points of the axes are taken; default: all")
     requirement: list[RequirementEntry] | None = Field(None, min_length=1, description="what is asked of the runs")

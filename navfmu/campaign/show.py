@@ -16,22 +16,23 @@ SEEN = 12  # violated cells that are told in words; the report tells all
 def show(outcome: Outcome) -> None:
     """The matrix of verdicts, what was seen where something is violated, failed runs, the path of the report."""
     out, campaign = console(), outcome.campaign
-    say(out, Text.assemble((campaign.name, "bold"), f": {len(outcome.runs)} runs of {campaign.stop:g} s"))
+    say(out, Text.assemble((campaign.name, "bold"), f": {len(outcome.every)} runs of {campaign.stop:g} s"))
     if outcome.cells:
         _matrix(out, outcome)
         for requirement in campaign.requirements:
             say(out, f"{requirement.id}: {requirement.sentence}", indent=2, hang=2)
         _violated(out, outcome)
-    failed = [judged for judged in outcome.runs if judged.error is not None]
+    _thresholds(out, outcome)
+    failed = [judged for judged in outcome.every if judged.error is not None]
     for judged in failed[:SEEN]:
         _told(out, "failed", f"{_run(judged)}: {judged.error}")
-    for judged in [judged for judged in outcome.runs if judged.answer.not_finite][:SEEN]:
+    for judged in [judged for judged in outcome.every if judged.answer.not_finite][:SEEN]:
         _told(out, "not finite", f"{_run(judged)}: {', '.join(judged.answer.not_finite)}")
     for (variant, case, fault, why), seeds in list(outcome.idle.items())[:SEEN]:
         where = f"{variant}, {case}, seed {seeds_text(seeds)}"
         _told(out, "did not happen", f"{where}: fault '{fault}' {why}")
     for note, count in outcome.notes.items():
-        say(out, f"note: {note} (in {count} of {len(outcome.runs)} runs)", hang=2)
+        say(out, f"note: {note} (in {count} of {len(outcome.every)} runs)", hang=2)
     for sentence in outcome.mended:
         say(out, f"flown again: {sentence}", hang=2)
     if len(failed) > SEEN:
@@ -66,6 +67,16 @@ def _verdict(cell: Cell | None) -> Text:
         return Text("not asked", style="dim")
     verdict = ("holds", "green") if cell.passed else ("VIOLATED", "red")
     return Text.assemble(verdict, f" {cell.held}/{cell.total}")
+
+
+def _thresholds(out: Console, outcome: Outcome) -> None:
+    """What searches have found."""
+    for threshold in outcome.thresholds[:SEEN]:
+        sought = threshold.sought
+        where = f"{sought.variant}, {sought.search.case.name}, seed {sought.seed}"
+        say(out, f"{threshold.requirement.id} {threshold.sentence} ({where}; {len(threshold.probes)} runs)", hang=2)
+    if len(outcome.thresholds) > SEEN:
+        say(out, f"... and {len(outcome.thresholds) - SEEN} more searches in thresholds.csv")
 
 
 def _violated(out: Console, outcome: Outcome) -> None:

@@ -47,7 +47,7 @@ def _of(outcome: Outcome, statistic: Statistic) -> Found:
         silent = []
         for case in outcome.campaign.cases:
             runs = [recorded(outcome, j, statistic.needs()) for j in outcome.of(variant, case.name) if j.error is None]
-            bounds = [b for b in bounds_of(outcome, variant, case.name) if b.signal == statistic.asked()]
+            bounds = [b for b in bounds_of(outcome, variant, case) if b.signal == statistic.asked()]
             row = statistic.row(runs, bounds) if runs else None
             if row is None:
                 silent.append(case.name)

@@ -17,7 +17,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any, TextIO
 
-from navfmu.campaign.definition import Case
+from navfmu.campaign.case import Case
 from navfmu.campaign.flight import fly
 from navfmu.campaign.runs import Run
 from navfmu.engine import fatal

@@ -76,6 +76,12 @@ def typed(description: Description, variable: Variable, value: Any, what: str) -
     return float(number)
 
 
+def number_and_unit(text: str) -> tuple[float, str] | None:
+    """The number and the unit of a text such as "0.5 nmi"; the unit may be empty. None where it is no number."""
+    found = _NUMBER.match(text)
+    return None if found is None else (float(found[1]), found[2])
+
+
 def is_number(text: str) -> bool:
     """Whether a text is a number, with a unit or without."""
     return _NUMBER.match(text) is not None

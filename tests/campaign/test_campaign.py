@@ -135,7 +135,7 @@ def test_an_interrupted_campaign_goes_on_where_it_stopped(done, tmp_path):
 
     def interrupt(done: int, total: int, note: str = "") -> None:
         made.append(done)
-        if len(list((outcome_folder / "runs").glob("*.parquet"))) >= 3:
+        if len(list((outcome_folder / "runs").glob("*.json"))) >= 3:
             raise KeyboardInterrupt
 
     with pytest.raises(NavfmuError, match=r"interrupted: [0-9]+ of 12 runs are finished"):

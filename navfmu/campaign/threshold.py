@@ -1,0 +1,95 @@
+"""What a search has found: the value at which a requirement begins to be violated, between two runs that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from navfmu.campaign.definition import Campaign
+from navfmu.campaign.judged import Judged
+from navfmu.campaign.requirement import Requirement
+from navfmu.campaign.runs import Run, runs_with
+from navfmu.campaign.search import Bracket, Search
+
+
+@dataclass(frozen=True)
+class Sought:
+    """A search in one variant with one seed."""
+
+    campaign: Campaign
+    search: Search
+    variant: str
+    seed: int
+
+    def found(self, judge: Callable[[Run], Judged]) -> Threshold:
+        """Search; ``judge`` flies a run, or finds it flown already."""
+        requirement = next(r for r in self.campaign.requirements if r.id == self.search.requirement)
+        probes: list[Judged] = []
+
+        def holds(value: float) -> bool:
+            run = next(runs_with(self.campaign, self.variant, self.search.at(value), [self.seed]))
+            probes.append(judge(run))
+            return probes[-1].holds(requirement)
+
+        return Threshold(self, requirement, self.search.bracket(holds), tuple(probes))
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """The bracket of a search, and its runs."""
+
+    sought: Sought
+    requirement: Requirement
+    bracket: Bracket
+    probes: tuple[Judged, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What was found, in words."""
+        axis, span = self.sought.search.axis, self.sought.search.span
+        holds, violated = self.bracket.holds_at, self.bracket.violated_at
+        if holds is not None and violated is not None:
+            return f"holds at {axis.name} = {axis.text(holds, 9)}, is violated at {axis.text(violated, 9)}"
+        what = "holds" if violated is None else "is violated"
+        ends = f"{axis.text(span.low, 9)} and at {axis.text(span.high, 9)}"
+        return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at"
+
+    @property
+    def idle(self) -> dict[str, str]:
+        """Faults that changed nothing in any run, and why; at one end of a search a fault may."""
+        every = [probe.answer.idle for probe in self.probes]
+        return {name: why for name, why in every[-1].items() if all(name in idle for idle in every)}
+
+    def row(self) -> dict[str, Any]:
+        """As plain data."""
+        sought = self.sought
+        case, axis = sought.search.case, sought.search.axis
+        values = sought.campaign.columns(case)
+        values.pop(axis.heading)
+        return {
+            "variant": sought.variant,
+            "case": case.name,
+            **values,
+            "seed": sought.seed,
+            "requirement": self.requirement.id,
+            "axis": axis.name,
+            "unit": axis.unit,
+            "holds_at": self.bracket.holds_at,
+            "violated_at": self.bracket.violated_at,
+            "tolerance": axis.goal.tolerance,
+            "runs": len(self.probes),
+            "runs_with_error": sum(probe.error is not None for probe in self.probes),
+            "seen": self.sentence,
+        }
+
+
+def sought_in(campaign: Campaign) -> list[Sought]:
+    """All searches of a campaign, in the order of its file."""
+    return [
+        Sought(campaign, search, variant, seed)
+        for variant in campaign.systems
+        for search in campaign.searches
+        if campaign.searched(search, variant)
+        for seed in campaign.seeds
+    ]
