@@ -38,6 +38,7 @@ from navfmu.engine.recording import (
     warned,
 )
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, GOES_ON, LOOP, NAMES, WARNING, Callbacks, Master
+from navfmu.engine.trigger import TRIGGER, WINDOW
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
 from navfmu.fmi.functions import OPTIONAL
@@ -353,7 +354,14 @@ class Compiled:
             move=self._keep(plan.initial, MOVE),
             moves=len(plan.initial),
             effect=self._keep(self._effects, EFFECT, changes=True),
-            echo=self._keep(plan.echoes.copy(), ECHO, changes=True),
+            echo=self._keep(plan.echoes, ECHO),
+            reach=self._keep(plan.reach, np.int32),
+            readers=self._keep(plan.readers, np.int32),
+            memory=self._keep(plan.memory.copy(), np.float64, changes=True),
+            without=self._keep(np.zeros(count), np.float64),
+            trigger=self._keep(plan.triggers.copy(), TRIGGER, changes=True),
+            triggers=len(plan.triggers),
+            window=self._keep(plan.windows, WINDOW),
             monitor=self._keep(self._monitors, MONITOR, changes=True),
             monitors=len(plan.monitors),
             operation=self._keep(plan.operations, OPERATION),

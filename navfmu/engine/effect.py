@@ -1,13 +1,14 @@
 """What faults do to single variables: each fault becomes one or more effects, each on one scalar variable.
 
-An effect acts at the communication points t_k with first <= k < end. Effects on the same variable act in the order of
-the fault file. Kinds, with v the value so far (at first: the true one):
+An effect acts at the communication points t_k at which its trigger does (trigger.py), and is in force until the next.
+Effects on the same variable act in the order of the fault file. Kinds, with v the value so far (at first: the true one)
+and `start` the beginning of the present window:
 
 ======  ===========================================================================================
 ADD     v + amount
 RAMP    v + amount * (t_k - start)
 SET     amount
-HOLD    the v of the last communication point before the first (of the first itself, if that is t = 0)
+HOLD    the v of the last communication point at which it did not act (of the first, if it does at t = 0)
 NOISE   v + amount * z_j, z_j the j-th normal number of the effect's stream, j = floor(t_k / period)
 ======  ===========================================================================================
 
@@ -17,17 +18,17 @@ recorded. The engines compare, at each point, what left with what would have lef
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import zlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import takewhile
 from typing import Any
 
 import numpy as np
 
-from navfmu.engine.clock import FOREVER, Clock, exact
+from navfmu.engine.clock import Clock, exact
 from navfmu.engine.component import Component
 from navfmu.errors import NavfmuError, nearest
 from navfmu.faults.fault import Fault
@@ -35,7 +36,8 @@ from navfmu.fmi import names
 from navfmu.fmi.description import Variable
 from navfmu.fmi.values import check_range, quantity, rate, spread, typed
 
-ADD, RAMP, SET, HOLD, NOISE = range(5)
+KINDS = ("ADD", "RAMP", "SET", "HOLD", "NOISE")
+ADD, RAMP, SET, HOLD, NOISE = range(len(KINDS))
 NOW, NEXT, AHEAD, RECORDED, OBSERVED = 1, 2, 4, 8, 16  # who sees a signal, see enum Reader in source/master.h
 STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
 
@@ -44,28 +46,28 @@ EFFECT = np.dtype(
     [
         ("kind", np.int32),
         ("slot", np.int32),  # the signal it changes
-        ("first", np.int64),  # communication points, first <= k < end
-        ("end", np.int64),
+        ("trigger", np.int32),
         ("amount", np.float64),
-        ("start", np.float64),  # s, origin of a RAMP
-        ("seed", np.uint64),  # NOISE: key of the stream
+        ("seed", np.uint64),  # random numbers: key of the stream
         ("stream", np.uint64),
-        ("lane", np.uint64),  # NOISE: element of an array
-        ("multiplier", np.int64),  # NOISE: j = k * multiplier / divisor, in integers
+        ("lane", np.uint64),  # element of an array
+        ("multiplier", np.int64),  # number of a period: k * multiplier // divisor, in integers
         ("divisor", np.int64),
-        ("memory", np.float64),  # HOLD: the value; NOISE: amount * z_j
-        ("drawn", np.int64),  # NOISE: j of the memory, -1 before the first
-        ("readers", np.int32),  # who sees the signal: a sum of NOW, NEXT, AHEAD, RECORDED, OBSERVED
+        ("memory", np.int32),  # what it remembers: place and length among the memories
+        ("size", np.int32),
+        ("first_reach", np.int32),  # the signals that can be different because of it
+        ("reaches", np.int32),
+        ("before", np.int32),  # these before it, now: place among the memories
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
-        ("until", np.int64),  # from this communication point on nothing can be seen of it any more
+        ("followed", np.int32),
         ("seen", np.int64),  # when it is seen first, as in struct Effect; -1: not yet
-        ("before", np.float64),  # the signal before it, now
     ],
     align=True,
 )
-# A later effect on the same signal, as it would be without an earlier one; struct Echo in source/master.h.
-ECHO = np.dtype([("effect", np.int32), ("memory", np.float64), ("drawn", np.int64)], align=True)
+# A later effect on the same signals, and where that is which it would remember without the earlier one; struct Echo.
+ECHO = np.dtype([("effect", np.int32), ("memory", np.int32)], align=True)
+MEMORY = {HOLD: (0.0,), NOISE: (-1.0, 0.0)}  # what each kind remembers before the run: a value; number and value
 
 
 @dataclass(frozen=True)
@@ -79,13 +81,21 @@ class Effect:
     amount: float = 0.0
     lane: int = 0
     driven: bool = False
+    trigger: int = 0
 
 
 def effects_of(
     faults: Iterable[Fault], components: Mapping[str, Component], connected: Collection[tuple[str, str]]
 ) -> list[Effect]:
-    """The effects of faults, in order; ``connected`` holds (component, input) of every connected input."""
-    return [effect for fault in faults for effect in _effects(fault, components, connected)]
+    """The effects of faults, in order, each with the number of its fault as trigger.
+
+    ``connected`` holds (component, input) of every connected input.
+    """
+    return [
+        dataclasses.replace(effect, trigger=number)
+        for number, fault in enumerate(faults)
+        for effect in _effects(fault, components, connected)
+    ]
 
 
 def _effects(fault: Fault, components: Mapping[str, Component], connected: Collection[tuple[str, str]]) -> list[Effect]:
@@ -225,118 +235,46 @@ def _amount(fault: Fault, component: Component, variable: Variable, parameter: s
 Key = tuple[str, str]  # component, variable
 
 
-def table(
-    effects: list[Effect], slots: Mapping[Key, int], readers: Mapping[Key, int], clock: Clock, seed: int
-) -> np.ndarray:
-    """The effects as rows of ``EFFECT``, in their order; ``slots`` and ``readers`` are by (component, variable)."""
+@dataclass(frozen=True)
+class Tables:
+    """The effects as the engines take them."""
+
+    effects: np.ndarray  # EFFECT
+    echoes: np.ndarray  # ECHO
+    reach: np.ndarray  # int32, signals
+    memory: np.ndarray  # float64
+
+
+def tables(effects: Sequence[Effect], slots: Mapping[Key, int], clock: Clock, seed: int) -> Tables:
+    """The effects as rows of ``EFFECT``, in their order; ``slots`` is by (component, variable)."""
     rows = np.zeros(len(effects), EFFECT)
+    reach: list[int] = []
+    memory: list[float] = []
+    echoes: list[tuple[int, int]] = []
     for row, effect in zip(rows, effects, strict=True):
-        fault = effect.fault
-        row["kind"], row["slot"] = effect.kind, slots[effect.component, effect.variable]
-        row["first"], row["end"] = window(fault, clock)
-        row["amount"], row["start"], row["lane"] = effect.amount, fault.start, effect.lane
-        row["divisor"], row["drawn"], row["seen"] = 1, -1, -1
-        row["readers"] = readers.get((effect.component, effect.variable), 0) | (NEXT if effect.driven else 0)
+        row["kind"], row["slot"], row["trigger"] = effect.kind, slots[effect.component, effect.variable], effect.trigger
+        row["amount"], row["lane"], row["divisor"], row["seen"] = effect.amount, effect.lane, 1, -1
         if effect.kind == NOISE:
-            row["seed"], row["stream"] = seed, STREAM_BASE + fault_stream(fault)
-            row["multiplier"], row["divisor"] = _draws(fault, clock)
-    return rows
-
-
-def echoes(rows: np.ndarray) -> np.ndarray:
-    """For each effect, in a row, those that act on the same signal after it; enters their places into ``rows``."""
+            row["seed"], row["stream"] = seed, STREAM_BASE + fault_stream(effect.fault)
+            row["multiplier"], row["divisor"] = _draws(effect.fault, clock)
+        row["memory"], row["size"] = _room(memory, MEMORY.get(effect.kind, ()))
+        row["first_reach"], row["reaches"] = _room(reach, [row["slot"]])
+        row["before"], _ = _room(memory, [0.0] * int(row["reaches"]))
     on: dict[int, list[int]] = {}  # signal -> numbers of its effects
     for number, slot in enumerate(rows["slot"].tolist()):
         on.setdefault(slot, []).append(number)
-    kinds, firsts, ends = (rows[name].tolist() for name in ("kind", "first", "end"))
-    found: list[int] = []
     for numbers in on.values():
         for place, number in enumerate(numbers):
-            later = [other for other in numbers[place + 1 :] if ends[other] > firsts[number]]
-            until = max([ends[number], *(ends[other] for other in later if kinds[other] == HOLD)])  # it remembers
-            later = [other for other in later if firsts[other] < until]
-            rows["until"][number] = until
-            rows["first_echo"][number], rows["echoes"][number] = len(found), len(later)
-            found += later
-    table = np.zeros(len(found), ECHO)
-    table["effect"] = found
-    return table
+            later = [(other, _room(memory, [0.0] * int(rows["size"][other]))[0]) for other in numbers[place + 1 :]]
+            rows["first_echo"][number], rows["echoes"][number] = _room(echoes, later)
+    return Tables(rows, np.array(echoes, ECHO), np.array(reach, np.int32), np.array(memory, np.float64))
 
 
-def window(fault: Fault, clock: Clock) -> tuple[int, int]:
-    """Communication points at which a fault acts: first <= k < end."""
-    first, end = clock.index(fault.start), clock.index(fault.start + fault.duration)
-    if end <= first:
-        raise fault.error(
-            f"no communication point lies between its start {fault.start:.9g} s and its end "
-            f"{fault.start + fault.duration:.9g} s at the step {clock.step:.9g} s",
-            "duration",
-        )
-    return first, min(end, FOREVER)
-
-
-def idle(
-    effects: Sequence[Effect], rows: np.ndarray, clock: Clock, every: int, undisturbed: Mapping[Key, float]
-) -> dict[str, str]:
-    """Faults that cannot change anything in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
-
-    What depends on values is seen only by running (``unseen``). ``rows`` is the ``table`` of the effects, in which
-    ``echoes`` has entered how long each is remembered; ``every`` the steps between recorded points; ``undisturbed`` has
-    the value of each driven variable without faults.
-    """
-    on: dict[tuple[str, str], list[int]] = {}  # variable -> numbers of its effects
-    for number, effect in enumerate(effects):
-        on.setdefault((effect.component, effect.variable), []).append(number)
-    reasons: dict[str, list[str]] = {}
-    for key, numbers in on.items():
-        for number in numbers:
-            own = undisturbed.get(key) if len(numbers) == 1 else None
-            later = [rows[other] for other in numbers if other > number]
-            reason = _idle(effects[number], rows[number], clock, every, own, later)
-            reasons.setdefault(effects[number].fault.id, []).append(reason)
-    return {fault: found[0] for fault, found in reasons.items() if all(found)}
-
-
-def _idle(effect: Effect, row: np.void, clock: Clock, every: int, own: float | None, later: Sequence[np.void]) -> str:
-    """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway."""
-    if row["first"] > clock.steps:
-        return f"starts at {effect.fault.start:.9g} s, the run ends at {clock.time(clock.steps):.9g} s"
-    name, first, end = f"{effect.component}.{effect.variable}", int(row["first"]), min(row["end"], clock.steps + 1)
-    if not row["readers"]:
-        return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded nor asked for"
-    if row["readers"] == RECORDED and -(-first // every) * every >= min(row["until"], clock.steps + 1):
-        return f"acts on '{name}', which is not connected, and at no point at which it is recorded"
-    still = effect.kind == RAMP and clock.time(clock.steps) <= effect.fault.start
-    looking = NOW | OBSERVED | (RECORDED if first % every == 0 else 0)
-    if first == clock.steps and (still or not row["readers"] & looking):
-        return f"starts at {effect.fault.start:.9g} s, the last communication point"
-    if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
-        return "adds 0"
-    if effect.driven and effect.amount == own:
-        return f"sets '{name}' to {effect.amount:.9g}, which it is anyway"
-    before = takewhile(lambda other: other["kind"] != HOLD, later)  # which would remember it
-    if any(other["kind"] == SET and other["first"] <= first and end <= other["end"] for other in before):
-        return f"is hidden: all the time another fault sets '{name}'"
-    return ""
-
-
-def unseen(faults: Sequence[Fault], seen: Sequence[bool], clock: Clock, k: int) -> dict[str, str]:
-    """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
-
-    ``faults`` and ``seen``, whether something was seen of it, are by effect.
-    """
-    acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if was_seen}
-    reasons = {}
-    for fault in faults:
-        if fault.id not in acted:
-            late = clock.index(fault.start) > k
-            reasons[fault.id] = (
-                f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
-                if late
-                else "changed nothing: without it every value that was recorded, or went to a component, would have "
-                "been the same"
-            )
-    return reasons
+def _room(table: list[Any], more: Sequence[Any]) -> tuple[int, int]:
+    """Where more rows begin in a table, and how many they are; they are added."""
+    place = len(table)
+    table += more
+    return place, len(more)
 
 
 def fault_stream(fault: Fault) -> int:

@@ -1,4 +1,4 @@
-"""What faults do to signals, in Python: the reference for ``engine/source/effects.h``."""
+"""What faults do to signals, in Python: the reference for ``engine/source/effects.h`` and ``act.h``."""
 
 from __future__ import annotations
 
@@ -11,18 +11,28 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.effect import ADD, AHEAD, HOLD, NEXT, NOISE, NOW, OBSERVED, RAMP, RECORDED, SET
+from navfmu.engine.trigger import Moment, Trigger
+
+
+def words(seed: int, stream: int, lane: int, j: int) -> list[int]:
+    """The first two of the four words of block 0 of number j of a fault's stream, from NumPy's Philox4x64-10."""
+    counter = (j << 64) | (lane << 128)  # words: block 0, j, lane, 0
+    generator = np.random.Philox(key=(stream << 64) | seed, counter=(counter - 1) % 2**256)  # it counts before it draws
+    return [int(word) for word in generator.random_raw(2)]
+
+
+def uniform(word: int) -> float:
+    """A number between 0 and 1, from the upper 53 bits of a word."""
+    return ((word >> 11) + 0.5) * 2.0**-53
 
 
 def normal(seed: int, stream: int, lane: int, j: int) -> float:
-    """Normal number j of a fault's stream, from NumPy's Philox4x64-10 by Box-Muller."""
-    counter = (j << 64) | (lane << 128)  # words: block 0, j, lane, 0
-    generator = np.random.Philox(key=(stream << 64) | seed, counter=(counter - 1) % 2**256)  # it counts before it draws
-    words = generator.random_raw(2)
-    first, second = (((int(word) >> 11) + 0.5) * 2.0**-53 for word in words)
+    """Normal number j of a fault's stream, by Box-Muller."""
+    first, second = map(uniform, words(seed, stream, lane, j))
     return math.sqrt(-2.0 * math.log(first)) * math.cos(6.283185307179586 * second)
 
 
-State = tuple[dict[int, float], dict[int, float], list[int], list[Any]]
+State = tuple[list[Any], list[int], list[Any]]
 
 
 class Injector:
@@ -30,21 +40,28 @@ class Injector:
 
     ``seen`` has for each effect when a bit is different because of it: 3 k, at communication point k, 3 k + 1, in the
     step after it, or 3 k + 2, in that step as it leaves at its end; -1 before that. It is found by an injector of all
-    the others on the same signal. ``every`` is the number of steps between recorded points; without it nothing is
-    looked for.
+    the others on the signals that it reaches. ``readers`` says who sees each signal, ``every`` is the number of steps
+    between recorded points; without it nothing is looked for.
     """
 
-    def __init__(self, effects: Sequence[np.void], clock: Clock, every: int = 0) -> None:
-        self._effects = effects
-        self._clock = clock
-        self._every = every
-        self.seen = [-1] * len(effects)
-        self._without = [
-            Injector([other for other in effects if other["slot"] == effect["slot"] and other is not effect], clock)
-            for effect in (effects if every else ())
-        ]
-        self._held: dict[int, float] = {}  # HOLD: the value before the window
-        self._noise: dict[int, float] = {}
+    def __init__(
+        self,
+        effects: Sequence[np.void],
+        reach: Sequence[Sequence[int]],
+        triggers: Sequence[Trigger],
+        clock: Clock,
+        readers: Sequence[int] = (),
+        every: int = 0,
+    ) -> None:
+        self._effects, self._reach, self._triggers = effects, reach, triggers
+        self._clock, self._readers, self._every = clock, readers, every
+        self.seen = [int(effect["seen"]) for effect in effects]
+        self._memory: list[Any] = [None] * len(effects)
+        self._without: list[Injector] = []
+        for one in range(len(effects) if every else 0):
+            others = [n for n in range(len(effects)) if n != one and set(reach[n]) & set(reach[one])]
+            chosen = [effects[n] for n in others], [reach[n] for n in others]
+            self._without.append(Injector(*chosen, triggers, clock))
 
     def leave(self, truth: dict[int, float], k: int, only: int | None = None) -> dict[int, float]:
         """The values that leave at communication point ``k``.
@@ -54,43 +71,37 @@ class Injector:
         """
         values = dict(truth)
         for number, effect in enumerate(self._effects):
-            slot, value = int(effect["slot"]), values[int(effect["slot"])]
-            active = effect["first"] <= k < effect["end"]
-            if effect["kind"] == HOLD and (not active or k == 0):
-                self._held[number] = value
-            if active:
-                if effect["kind"] == NOISE:
-                    self._noise[number] = self._draw(effect, k)
-                values[slot] = self._apply(number, effect, value, k)
-        for number, slot, other in self._others(k):
-            if only in (None, slot) and _differ(other.leave({slot: truth[slot]}, k)[slot], values[slot]):
-                self._see(number, k)
+            now = self._triggers[effect["trigger"]].now
+            self._remember(number, effect, now, values[int(effect["slot"])], k)
+            if now.acts:
+                self._change(number, effect, now, values, k)
+        for number, other in self._others():
+            without = other.leave({slot: truth[slot] for slot in self._reach[number]}, k)
+            for slot, value in without.items():
+                if only in (None, slot) and self.seen[number] < 0 and _differ(value, values[slot]):
+                    self._see(number, slot, k)
         return values
 
     def ahead(self, truth: dict[int, float], k: int) -> dict[int, float]:
         """The values just before communication point ``k + 1``, where effects of ``k`` still act on the true ones."""
         values = dict(truth)
         for number, effect in enumerate(self._effects):
-            slot = int(effect["slot"])
-            if effect["first"] <= k < effect["end"]:
-                values[slot] = self._apply(number, effect, values[slot], k + 1)
-        for number, slot, other in self._others(k):
-            differs = _differ(other.ahead({slot: truth[slot]}, k)[slot], values[slot])
-            if differs and self._effects[number]["readers"] & AHEAD:
+            before = self._triggers[effect["trigger"]].before
+            if before.acts:
+                self._change(number, effect, before, values, k + 1)
+        for number, other in self._others():
+            without = other.ahead({slot: truth[slot] for slot in self._reach[number]}, k)
+            if any(self._readers[slot] & AHEAD and _differ(value, values[slot]) for slot, value in without.items()):
                 self.seen[number] = 3 * k + 1
         return values
 
-    def _others(self, k: int) -> list[tuple[int, int, Injector]]:
-        """The effects that were not seen so far: number, signal, and the others on that signal."""
-        return [
-            (number, int(self._effects[number]["slot"]), other)
-            for number, other in enumerate(self._without)
-            if self.seen[number] < 0
-        ]
+    def _others(self) -> list[tuple[int, Injector]]:
+        """The effects that were not seen so far, each with all the others that reach the same signals."""
+        return [(number, other) for number, other in enumerate(self._without) if self.seen[number] < 0]
 
-    def _see(self, number: int, k: int) -> None:
+    def _see(self, number: int, slot: int, k: int) -> None:
         """A value that leaves at ``k`` is different because of an effect: who sees it?"""
-        readers = int(self._effects[number]["readers"])
+        readers = self._readers[slot]
         if k == 0 and readers & (NOW | NEXT | AHEAD):
             self.seen[number] = 0
         elif readers & NOW:
@@ -100,32 +111,48 @@ class Injector:
         elif readers & NEXT:
             self.seen[number] = 3 * k + 1
 
-    def _apply(self, number: int, effect: np.void, value: float, k: int) -> float:
-        kind, amount = effect["kind"], float(effect["amount"])
-        if kind == ADD:
-            return value + amount
-        if kind == RAMP:
-            return value + amount * (self._clock.time(k) - float(effect["start"]))
-        if kind == SET:
-            return amount
-        if kind == HOLD:
-            return self._held[number]
-        return value + self._noise[number]
+    def _remember(self, number: int, effect: np.void, now: Moment, value: float, k: int) -> None:
+        """What an effect keeps of communication point ``k``, at which ``value`` came to it."""
+        kind = effect["kind"]
+        if kind == HOLD and (not now.acts or k == 0):
+            self._memory[number] = value
+        if kind == NOISE and now.acts:
+            self._memory[number] = float(effect["amount"]) * normal(*_key(effect), _period(effect, k))
 
-    @staticmethod
-    def _draw(effect: np.void, k: int) -> float:
-        j = k * int(effect["multiplier"]) // int(effect["divisor"])
-        return float(effect["amount"]) * normal(int(effect["seed"]), int(effect["stream"]), int(effect["lane"]), j)
+    def _change(self, number: int, effect: np.void, at: Moment, values: dict[int, float], k: int) -> None:
+        """What an effect makes of its signal as of ``k``, while it acts as it did at the point of ``at``."""
+        slot, kind, amount = int(effect["slot"]), effect["kind"], float(effect["amount"])
+        value = values[slot]
+        if kind == ADD:
+            value = value + amount
+        elif kind == RAMP:
+            value = value + amount * (self._clock.time(k) - at.start)
+        elif kind == SET:
+            value = amount
+        elif kind == HOLD:
+            value = self._memory[number]
+        elif kind == NOISE:
+            value = value + self._memory[number]
+        values[slot] = value
 
     def state(self) -> State:
         """What it remembers, for a snapshot."""
-        return dict(self._held), dict(self._noise), list(self.seen), [other.state() for other in self._without]
+        return list(self._memory), list(self.seen), [other.state() for other in self._without]
 
     def set_state(self, state: State) -> None:
         """Back to a snapshot."""
-        self._held, self._noise, self.seen = dict(state[0]), dict(state[1]), list(state[2])
-        for other, of_other in zip(self._without, state[3], strict=True):
+        self._memory, self.seen = list(state[0]), list(state[1])
+        for other, of_other in zip(self._without, state[2], strict=True):
             other.set_state(of_other)
+
+
+def _key(effect: np.void) -> tuple[int, int, int]:
+    return int(effect["seed"]), int(effect["stream"]), int(effect["lane"])
+
+
+def _period(effect: np.void, k: int) -> int:
+    """The number of the period in which communication point ``k`` lies."""
+    return k * int(effect["multiplier"]) // int(effect["divisor"])
 
 
 def _differ(a: float, b: float) -> bool:

@@ -30,7 +30,7 @@ UNITS = (
 HEADERS = (
     *(
         SOURCE / f"{name}.h"
-        for name in ("master", "exchange", "effects", "expression", "floating", "initial", "monitor")
+        for name in ("master", "act", "exchange", "effects", "expression", "floating", "initial", "monitor", "trigger")
     ),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )

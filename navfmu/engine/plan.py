@@ -32,12 +32,16 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
-from navfmu.engine.effect import EFFECT, OBSERVED, RECORDED, echoes, effects_of, idle, table
+from navfmu.engine.effect import NEXT, OBSERVED, RECORDED, effects_of, tables
+from navfmu.engine.idle import idle
 from navfmu.engine.initial import initial_moves
 from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
-from navfmu.engine.monitor import Monitor, tables
+from navfmu.engine.monitor import Monitor
+from navfmu.engine.monitor import tables as monitor_tables
 from navfmu.engine.order import sort
+from navfmu.engine.trigger import tables as trigger_tables
+from navfmu.engine.trigger import windows
 from navfmu.errors import NavfmuError, nearest
 from navfmu.expressions.program import Source
 from navfmu.faults.fault import Fault
@@ -110,6 +114,12 @@ class Plan:
     driven: np.ndarray  # float64, undisturbed values of the driven signals, which are the last ones
     effects: np.ndarray  # EFFECT: those of part 0, part 1 ..., then those of driven signals
     echoes: np.ndarray  # ECHO
+    reach: np.ndarray  # int32: signals, as effects name them
+    memory: np.ndarray  # float64: what effects and echoes remember before the run
+    readers: np.ndarray  # int32: who sees each signal
+    triggers: np.ndarray  # TRIGGER: one for each fault
+    windows: np.ndarray  # WINDOW
+    begins: tuple[int, ...]  # communication point at which each effect begins
     faults: tuple[Fault, ...]  # of each effect
     recorded: tuple[Recorded, ...]
     questions: tuple[Monitor, ...]
@@ -199,11 +209,14 @@ def make_plan(
         key = source.signal.key
         key = connected[key][0].key if key in connected else key
         readers[key] = readers.get(key, 0) | (0 if source.true else OBSERVED)
-    effect_table = table(ordered, slots, readers, clock, seed) if ordered else np.zeros(0, EFFECT)
-    echo_table = echoes(effect_table)
+    for key in driven:
+        readers[key] = readers.get(key, 0) | NEXT
+    lists = [windows(fault, clock) for fault in faults]
+    triggers, window_table = trigger_tables(lists)
+    effect_tables = tables(ordered, slots, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
-    useless = idle(ordered, effect_table, clock, every, undisturbed)
+    useless = idle(ordered, lists, readers, clock, every, undisturbed)
 
     faulted = {(effect.component, effect.variable) for effect in ordered}
 
@@ -212,7 +225,7 @@ def make_plan(
         on_its_own = column.true and signals[column.slot] in faulted
         return column.slot + (len(signals) if on_its_own else 0), column.factor, column.offset
 
-    monitor_table, operations = tables(monitors, programs, place, clock)
+    monitor_table, operations = monitor_tables(monitors, programs, place, clock)
     initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect = [], 0
     for component in components:
@@ -231,8 +244,14 @@ def make_plan(
         clock=clock,
         signals=tuple(f"{c}.{v}" for c, v in signals),
         driven=np.array(list(undisturbed.values()), np.float64),
-        echoes=echo_table,
-        effects=effect_table,
+        effects=effect_tables.effects,
+        echoes=effect_tables.echoes,
+        reach=effect_tables.reach,
+        memory=effect_tables.memory,
+        readers=np.array([readers.get(key, 0) for key in signals], np.int32),
+        triggers=triggers,
+        windows=window_table,
+        begins=tuple(lists[effect.trigger][0].first for effect in ordered),
         faults=tuple(effect.fault for effect in ordered),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         questions=tuple(monitors),

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from navfmu.engine.component import Component
-from navfmu.engine.effect import unseen
+from navfmu.engine.idle import unseen
 from navfmu.engine.monitor import Observed
 from navfmu.engine.plan import Plan
 from navfmu.engine.structures import Log
@@ -122,7 +122,7 @@ def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> d
         0 <= at <= 3 * k or (at == 3 * k + 1 and slot in before) or (at == 3 * k + 2 and slot in at_its_end)
         for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=True)
     ]
-    found = unseen(plan.faults, was, plan.clock, k)
+    found = unseen(plan.faults, plan.begins, was, plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
 
 

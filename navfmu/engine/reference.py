@@ -50,6 +50,7 @@ from navfmu.engine.structures import (
     Callbacks,
     Log,
 )
+from navfmu.engine.trigger import Trigger
 from navfmu.errors import NavfmuError
 
 
@@ -63,6 +64,7 @@ class Snapshot:
     truth: list[float]
     ahead: list[float]
     begin: list[list[float]]
+    triggers: list[Trigger]
     injectors: list[Any]
     observers: list[np.void]
 
@@ -101,12 +103,9 @@ class Reference:
         self.ahead = [0.0] * count  # at the end of the step, with the faults of its beginning
         self.begin: list[list[float]] = [[] for _ in plan.parts]  # smooth inputs at the beginning of the step
         self.rows = room(plan)
-        rows = list(plan.effects)
-        self._injectors = [
-            Injector(rows[part.first_effect : part.first_effect + part.effects], plan.clock, plan.record_every)
-            for part in plan.parts
-        ]
-        self._driver = Injector(rows[plan.first_driven_effect :], plan.clock, plan.record_every)
+        self._triggers = [Trigger.of(row, plan.windows) for row in plan.triggers]
+        self._injectors = [self._injector(part.first_effect, part.first_effect + part.effects) for part in plan.parts]
+        self._driver = self._injector(plan.first_driven_effect, len(plan.effects))
         self._observers = [Observer(row, plan.operations) for row in plan.monitors]
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Counting] = []
@@ -136,6 +135,7 @@ class Reference:
         """Set start values and bring every component to t = 0."""
         for number, part in enumerate(self.plan.parts):
             self._configure(number, part)
+        self._move_triggers(0)
         self._drive(0)
         for move in self.plan.initial:
             {READ: self._read, GIVE: self._give, LEAVE: self._leave}[int(move["kind"])](move)
@@ -150,6 +150,7 @@ class Reference:
         step = {"jacobi": self._jacobi, "gauss_seidel": self._gauss_seidel}[self.plan.algorithm]
         while self.k < end and self._ended < 0:
             self._look_for_dead()
+            self._move_triggers(self.k + 1)
             try:
                 step(self.plan.clock.time(self.k))
             except _Ended:
@@ -219,6 +220,16 @@ class Reference:
                 except FMICallException as error:
                     self._instances.returned(number, error.status)
         return self._lost
+
+    def _injector(self, first: int, end: int) -> Injector:
+        """The effects first <= n < end of the plan."""
+        plan, rows = self.plan, list(self.plan.effects[first:end])
+        reach = [plan.reach[row["first_reach"] : row["first_reach"] + row["reaches"]].tolist() for row in rows]
+        return Injector(rows, reach, self._triggers, plan.clock, plan.readers.tolist(), plan.record_every)
+
+    def _move_triggers(self, k: int) -> None:
+        for trigger in self._triggers:
+            trigger.move(k)
 
     # ---- initial values ----------------------------------------------------------------------------------------------
 
@@ -366,10 +377,11 @@ class Reference:
         self._look_for_dead()
         self._snapshots += 1
         states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
+        triggers = [trigger.copy() for trigger in self._triggers]
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
         observers = [observer.state() for observer in self._observers]
-        return Snapshot(self.k, states, *lists, injectors, observers)
+        return Snapshot(self.k, states, *lists, triggers, injectors, observers)
 
     @floating.ordinary()
     def restore(self, snapshot: Snapshot) -> None:
@@ -377,6 +389,8 @@ class Reference:
         self._look_for_dead()
         for number, state in enumerate(snapshot.states):
             self._call(number, "setFMUstate", state)
+        for trigger, saved in zip(self._triggers, snapshot.triggers, strict=True):
+            trigger.now, trigger.before = saved.now, saved.before
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
             injector.set_state(state)
         for observer, seen in zip(self._observers, snapshot.observers, strict=True):

@@ -18,7 +18,7 @@ from ctypes import (
     sizeof,
 )
 
-from navfmu.engine import effect, initial, monitor
+from navfmu.engine import effect, initial, monitor, trigger
 from navfmu.errors import NavfmuError, quoted
 from navfmu.expressions.program import Op
 
@@ -132,9 +132,10 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "move", "effect", "echo")),
-        *((name, c_void_p) for name in ("monitor", "operation", "signal")),
-        *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "first_driven", "driven")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "window", "effect", "echo")),
+        *((name, c_void_p) for name in ("reach", "readers", "memory", "without", "monitor", "operation", "signal")),
+        *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers")),
+        *((name, c_int32) for name in ("first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),
         ("record_every", c_int64),
@@ -156,6 +157,9 @@ Row = tuple[str, str, int, int]  # structure, field ("": the whole), offset and 
 def here() -> Iterator[Row]:
     """The table as this file and the fault table mean it."""
     tables = {
+        "Window": trigger.WINDOW,
+        "Moment": trigger.MOMENT,
+        "Trigger": trigger.TRIGGER,
         "Effect": effect.EFFECT,
         "Echo": effect.ECHO,
         "Monitor": monitor.MONITOR,
@@ -172,7 +176,9 @@ def here() -> Iterator[Row]:
         for name, *_ in structure._fields_:
             place = getattr(structure, name)
             yield structure.__name__, name, place.offset, place.size
-    for name in ("ADD", "RAMP", "SET", "HOLD", "NOISE"):
+    for name in trigger.KINDS:
+        yield "TriggerKind", name, getattr(trigger, name), 0
+    for name in effect.KINDS:
         yield "EffectKind", name, getattr(effect, name), 0
     for name in ("NOW", "NEXT", "AHEAD", "RECORDED", "OBSERVED"):
         yield "Reader", name, getattr(effect, name), 0

@@ -12,7 +12,22 @@ from navfmu.errors import NavfmuError
 def test_every_structure_is_compared():
     rows = list(structures.there(engine_library()))
     assert {structure for structure, *_ in rows} == {
-        *("Effect", "Echo", "Move", "Inputs", "Component", "Place", "Log", "Master", "Monitor", "Operation"),
+        *(
+            "Window",
+            "Moment",
+            "Trigger",
+            "TriggerKind",
+            "Effect",
+            "Echo",
+            "Move",
+            "Inputs",
+            "Component",
+            "Place",
+            "Log",
+            "Master",
+            "Monitor",
+            "Operation",
+        ),
         *("EffectKind", "OperationKind", "Reader", "MoveKind", "Stray", "Call"),
     }
     assert ("Place", "rows", 8, 8) in rows
@@ -42,10 +57,10 @@ def test_a_mirror_with_two_swapped_fields_of_equal_size_is_refused(monkeypatch, 
 
 
 def test_swapped_columns_of_the_fault_table_are_refused(monkeypatch):
-    names = ["kind", "slot", "end", "first", *effect.EFFECT.names[4:]]
+    names = ["kind", "trigger", "slot", *effect.EFFECT.names[3:]]
     swapped = [(name, effect.EFFECT.fields[name][0]) for name in names]
     monkeypatch.setattr(effect, "EFFECT", effect.np.dtype(swapped, align=True))
-    with pytest.raises(NavfmuError, match=r"Effect\.(first|end) lies elsewhere"):
+    with pytest.raises(NavfmuError, match=r"Effect\.(slot|trigger) lies elsewhere"):
         structures.check(engine_library(), "binary")
 
 

@@ -101,7 +101,5 @@ def test_a_fault_that_others_hide_cannot_act_and_one_that_ends_others_can():
 
 
 def test_windows_are_counted_in_whole_steps():
-    effects = plan("a.y", "bias", start=0.3, duration=0.6, value=1).effects
-    assert (effects["first"][0], effects["end"][0]) == (3, 9)
-    effects = plan("a.y", "bias", start=0.25, duration=0.1, value=1).effects
-    assert (effects["first"][0], effects["end"][0]) == (3, 4)
+    assert plan("a.y", "bias", start=0.3, duration=0.6, value=1).windows.tolist() == [(3, 9, 0.3)]
+    assert plan("a.y", "bias", start=0.25, duration=0.1, value=1).windows.tolist() == [(3, 4, 0.25)]

@@ -14,13 +14,20 @@ typedef struct {
 #define VALUE(enumeration, value) {#enumeration, #value, value, 0}
 
 static const Field FIELDS[] = {
-    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, first), FIELD(Effect, end),
-    FIELD(Effect, amount), FIELD(Effect, start), FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane),
-    FIELD(Effect, multiplier), FIELD(Effect, divisor), FIELD(Effect, memory), FIELD(Effect, drawn),
-    FIELD(Effect, readers), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, until), FIELD(Effect, seen),
-    FIELD(Effect, before),
+    WHOLE(Window), FIELD(Window, first), FIELD(Window, end), FIELD(Window, start),
 
-    WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory), FIELD(Echo, drawn),
+    WHOLE(Moment), FIELD(Moment, acts), FIELD(Moment, since), FIELD(Moment, start),
+
+    WHOLE(Trigger), FIELD(Trigger, kind), FIELD(Trigger, window), FIELD(Trigger, last), FIELD(Trigger, now),
+    FIELD(Trigger, before),
+
+    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, amount),
+    FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, multiplier), FIELD(Effect, divisor),
+    FIELD(Effect, memory), FIELD(Effect, size), FIELD(Effect, first_reach), FIELD(Effect, reaches),
+    FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, followed),
+    FIELD(Effect, seen),
+
+    WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory),
 
     WHOLE(Monitor), FIELD(Monitor, first_operation), FIELD(Monitor, operations), FIELD(Monitor, first_when),
     FIELD(Monitor, whens), FIELD(Monitor, least), FIELD(Monitor, most), FIELD(Monitor, begin), FIELD(Monitor, end),
@@ -56,13 +63,18 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, monitor), FIELD(Master, operation), FIELD(Master, signal),
+    FIELD(Master, trigger), FIELD(Master, window), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, reach),
+    FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, monitor),
+    FIELD(Master, operation), FIELD(Master, signal),
     FIELD(Master, components), FIELD(Master, moves), FIELD(Master, signals), FIELD(Master, monitors),
+    FIELD(Master, triggers),
     FIELD(Master, first_driven),
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
     FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
     FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, turn), FIELD(Master, last),
+
+    VALUE(TriggerKind, LISTED),
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE),

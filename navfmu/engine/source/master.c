@@ -1,6 +1,7 @@
 /* The run: initial values, steps, recording. */
 #include "initial.h"
 #include "monitor.h"
+#include "trigger.h"
 
 static void drive(Master *m, int64_t k) {
     if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k, -1);
@@ -20,6 +21,7 @@ static int outside(Master *m, int result) {
 
 static int begin(Master *m) {
     m->place->k = 0;
+    move_triggers(m, 0);
     drive(m, 0);
     for (const Move *v = m->move; v < m->move + m->moves; v++)
         if (make_move(m, v)) return FAILED;
@@ -40,6 +42,7 @@ static int go_on(Master *m, int64_t until) {
     while (place->k < until) {
         if (*(volatile int32_t *)&m->interrupt) return outside(m, INTERRUPTED);
         if (!(place->k & 63)) look_again(m);
+        move_triggers(m, place->k + 1);
         if (step(m)) {
             m->turn = place->component;
             return m->status == fmi2OK ? outside(m, INTERRUPTED) : FAILED;

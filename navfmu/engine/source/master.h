@@ -15,36 +15,54 @@
 #define API __attribute__((visibility("default")))
 #endif
 
-/* What a fault does to one signal while first <= k < end; see navfmu/engine/effect.py. */
+/* When a fault acts: at the communication points first <= k < end, and since when (s). */
+typedef struct {
+    int64_t first, end;
+    double start;
+} Window;
+
+/* Whether a trigger acts at a communication point; if so, at which point, and when (s), the present window began. */
+typedef struct {
+    int32_t acts;
+    int64_t since;
+    double start;
+} Moment;
+
+typedef enum { LISTED } TriggerKind;
+
+/* When effects act; see navfmu/engine/trigger.py. */
+typedef struct {
+    int32_t kind;
+    int32_t window, last;         /* LISTED: its next window, and behind its last one */
+    Moment now, before;           /* at the point to which it was moved, and at the one before */
+} Trigger;
+
+/* What a fault does to one signal while its trigger acts; see navfmu/engine/effect.py. */
 typedef enum { ADD, RAMP, SET, HOLD, NOISE } EffectKind;
 
 typedef struct {
     int32_t kind;
     int32_t slot;                 /* the signal it changes */
-    int64_t first, end;           /* communication points */
+    int32_t trigger;
     double amount;
-    double start;                 /* s, origin of a RAMP */
-    uint64_t seed, stream, lane;  /* NOISE: key, and task word of the counter */
-    int64_t multiplier, divisor;  /* NOISE: sample number j = k * multiplier / divisor */
-    double memory;                /* HOLD: the value; NOISE: amount * normal number j */
-    int64_t drawn;                /* NOISE: j of the memory */
-    int32_t readers;              /* who sees the signal: a sum of Reader */
-    int32_t first_echo, echoes;   /* later effects on the same signal */
-    int64_t until;                /* from this point on nothing can be seen of it any more */
+    uint64_t seed, stream, lane;  /* random numbers: key, and task word of the counter */
+    int64_t multiplier, divisor;  /* number of a period: k * multiplier / divisor */
+    int32_t memory, size;         /* what it remembers: place and length in Master.memory */
+    int32_t first_reach, reaches; /* the signals that can be different because of it */
+    int32_t before;               /* these before it, now: place in Master.memory */
+    int32_t first_echo, echoes;   /* later effects on them */
+    int32_t followed;             /* whether something may be different because of it, which nobody has seen yet */
     int64_t seen;                 /* when a bit is different because of it: 3 k, at communication point k, 3 k + 1, in
                                      the step after it, 3 k + 2, in that step as it leaves at its end; -1: not yet */
-    double before;                /* the signal before it, now */
 } Effect;
 
 /* Who sees a signal: a component in this step, one in the next step, one that gets it as it is ahead; the recording; a
    monitor. */
 typedef enum { NOW = 1, NEXT = 2, AHEAD = 4, RECORDED = 8, OBSERVED = 16 } Reader;
 
-/* A later effect on the same signal, with the memory that it would have without the earlier one. */
+/* A later effect on the same signals, and where that is which it would remember without the earlier one. */
 typedef struct {
-    int32_t effect;
-    double memory;
-    int64_t drawn;
+    int32_t effect, memory;
 } Echo;
 
 /* What is asked at every communication point, and what was seen; see navfmu/engine/monitor.py. */
@@ -144,12 +162,18 @@ typedef struct {
     Component *component;         /* in the order of the system description */
     const int32_t *order;         /* in which they step in Gauss-Seidel */
     const Move *move;             /* how the values of t = 0 come about */
+    Trigger *trigger;
+    const Window *window;
     Effect *effect;
-    Echo *echo;
+    const Echo *echo;
+    const int32_t *reach;         /* signals, as effects name them */
+    const int32_t *readers;       /* who sees each signal: a sum of Reader */
+    double *memory;               /* of effects and echoes */
+    double *without;              /* room: signals as they would be without an effect */
     Monitor *monitor;
     const Operation *operation;   /* of all programs */
     double *signal;               /* the values that left, then the true ones, then those ahead */
-    int32_t components, moves, signals, monitors;
+    int32_t components, moves, signals, monitors, triggers;
     int32_t first_driven, driven; /* driven signals are the last ones */
     int32_t first_driven_effect, driven_effects;
     int32_t algorithm;            /* 0 Jacobi, 1 Gauss-Seidel */

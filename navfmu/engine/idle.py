@@ -1,0 +1,114 @@
+"""Faults that change nothing in a run, and why: what can be said before it, and what is seen by running."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
+
+from navfmu.engine.clock import Clock
+from navfmu.engine.effect import ADD, HOLD, NOISE, NOW, OBSERVED, RAMP, RECORDED, SET, Effect, Key
+from navfmu.engine.trigger import Windows
+from navfmu.faults.fault import Fault
+
+MEMORIES = (HOLD,)  # kinds by which a value is there after the fault that made it
+
+
+def idle(
+    effects: Sequence[Effect],
+    lists: Sequence[Windows],
+    readers: Mapping[Key, int],
+    clock: Clock,
+    every: int,
+    undisturbed: Mapping[Key, float],
+) -> dict[str, str]:
+    """Faults that cannot change anything in a run, by id, with the reason: "starts at 300 s, the run ends at 60 s".
+
+    What depends on values is seen only by running (``unseen``). ``lists`` has the windows of each trigger, ``readers``
+    who sees each variable; ``every`` are the steps between recorded points; ``undisturbed`` has the value of each
+    driven variable without faults.
+    """
+    on: dict[Key, list[Effect]] = {}
+    for effect in effects:
+        on.setdefault((effect.component, effect.variable), []).append(effect)
+    reasons: dict[str, list[str]] = {}
+    for key, found in on.items():
+        own = undisturbed.get(key) if len(found) == 1 else None
+        for place, effect in enumerate(found):
+            reason = _idle(effect, found[place + 1 :], lists, readers.get(key, 0), clock, every, own)
+            reasons.setdefault(effect.fault.id, []).append(reason)
+    return {fault: found[0] for fault, found in reasons.items() if all(found)}
+
+
+def _idle(
+    effect: Effect,
+    later: Sequence[Effect],
+    lists: Sequence[Windows],
+    readers: int,
+    clock: Clock,
+    every: int,
+    own: float | None,
+) -> str:
+    """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway."""
+    windows = [window for window in lists[effect.trigger] if window.first <= clock.steps]
+    name, begin = f"{effect.component}.{effect.variable}", f"starts at {lists[effect.trigger][0].start:.9g} s"
+    if not windows:
+        return f"{begin}, the run ends at {clock.time(clock.steps):.9g} s"
+    if not readers:
+        return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded nor asked for"
+    first = windows[0].first
+    if readers == RECORDED and not any(_recorded(a, b, every, clock) for a, b in _traces(effect, later, lists)):
+        return f"acts on '{name}', which is not connected, and at no point at which it is recorded"
+    still = effect.kind == RAMP and clock.time(clock.steps) <= windows[0].start
+    looking = NOW | OBSERVED | (RECORDED if first % every == 0 else 0)
+    if first == clock.steps and (still or not readers & looking):
+        return f"{begin}, the last communication point"
+    if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
+        return "adds 0"
+    if effect.driven and effect.amount == own:
+        return f"sets '{name}' to {effect.amount:.9g}, which it is anyway"
+    before = takewhile(lambda other: other.kind not in MEMORIES, later)  # which would remember it
+    setting = [lists[other.trigger] for other in before if other.kind == SET]
+    if any(
+        all(_inside(window.first, min(window.end, clock.steps + 1), other) for window in windows) for other in setting
+    ):
+        return f"is hidden: all the time another fault sets '{name}'"
+    return ""
+
+
+def _traces(effect: Effect, later: Sequence[Effect], lists: Sequence[Windows]) -> list[tuple[int, int]]:
+    """From where to where there may be something of an effect: in its windows, and as long as others remember it."""
+    windows = lists[effect.trigger]
+    remembered = [lists[other.trigger][-1].end for other in later if other.kind in MEMORIES]
+    lasts = max([windows[-1].end, *(other for other in remembered if other > windows[0].first)])
+    spans = [(window.first, window.end) for window in windows]
+    return [(windows[0].first, lasts)] if lasts > windows[-1].end else spans
+
+
+def _recorded(first: int, end: int, every: int, clock: Clock) -> bool:
+    """Whether one of the points first <= k < end is recorded."""
+    return -(-first // every) * every < min(end, clock.steps + 1)
+
+
+def _inside(first: int, end: int, windows: Windows) -> bool:
+    """Whether one of the windows holds all of another."""
+    return any(window.first <= first and end <= window.end for window in windows)
+
+
+def unseen(
+    faults: Sequence[Fault], begins: Sequence[int], seen: Sequence[bool], clock: Clock, k: int
+) -> dict[str, str]:
+    """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
+
+    ``faults``, the communication point at which each begins, and whether something was seen of it, are by effect.
+    """
+    acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if was_seen}
+    nothing = (
+        "changed nothing: without it every value that was recorded, or went to a component, would have been the same"
+    )
+    return {
+        fault.id: nothing
+        if begin <= k
+        else f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
+        for fault, begin in zip(faults, begins, strict=True)
+        if fault.id not in acted
+    }
