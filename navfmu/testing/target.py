@@ -32,18 +32,20 @@ def _usual(system: System, target: str) -> str:
     component, rest = names.split(target)
     if rest in names.bundles(system.descriptions[component]):
         return "dropout"
-    what = found[0].causality
-    sources = {link.target: link.source for link in system.links}
-    source = sources.get(f"{component}.{found[0].name}")
+    what, variability = found[0].causality, found[0].variability
+    source = {link.target: link.source for link in system.links}.get(f"{component}.{found[0].name}")
     if what == "input" and source is None:
         return "input"
-    if what == "parameter" and found[0].variability == "tunable":
+    if what == "parameter" and variability == "tunable":
         return "parameter"
-    if source is not None:
-        what = f"input, connected to '{source}'"
-    kind = f"{found[0].variability} parameter" if what == "parameter" else what
+    if what == "parameter":
+        raise NavfmuError(
+            f"fault('{target}'): a {variability} parameter keeps its value during a run; give it another from the "
+            f"start: s.parameters['{target}'] = ..."
+        )
+    kind = f"{'an' if what[0] in 'aeiou' else 'a'} {what}" + (f", connected to '{source}'" if source else "")
     raise NavfmuError(
-        f"fault('{target}'): it is an {kind}; say what happens to it: fault('{target}', TYPE, ...) with one of "
+        f"fault('{target}'): it is {kind}; say what happens to it: fault('{target}', TYPE, ...) with one of "
         f"{', '.join(TYPES)}"
     )
 

@@ -28,7 +28,7 @@ class Ended:
     @property
     def counts(self) -> dict[str, int]:
         """From its last line, without warnings: {"failed": 2, "passed": 1}."""
-        last = self.out.strip().splitlines()[-1]
+        last = re.findall(r"^=+ .* in [\d.]+s.*$", self.out, re.M)[-1]
         return {what: int(count) for count, what in re.findall(r"(\d+) (failed|passed|errors?|x\w+)", last)}
 
     def of(self, test: str) -> str:
