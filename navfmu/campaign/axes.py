@@ -71,7 +71,7 @@ class Axes:
         if not axes:
             yield case
             return
-        points = list(self.design.points(axes))
+        points = list(dict.fromkeys(self.design.points(axes)))  # one that is drawn twice is one case
         told = [dict(zip(column, texts(axis, column), strict=True)) for axis, column in _columns(axes, points)]
         for point in points:
             found, words = case, []

@@ -102,7 +102,7 @@ class Axis:
 
     def laid(self, case: Case, value: Value) -> Case:
         """The case with a value, under the name that it had."""
-        given: Any = f"{value!r} {self.unit}" if self.unit else value
+        given: Any = f"{value!r}".removesuffix(".0") + f" {self.unit}" if self.unit else value
         try:
             for varied in self.varied:
                 if varied.is_in(case):

@@ -57,7 +57,7 @@ class Cases:
         if len(keys) > 1:
             raise self.document.error("'each' and 'pairs' exclude each other", "case", number, "pairs")
         key, many = keys[0], AT_A_TIME[keys[0]]
-        among = self.faults(getattr(entry, key), number, key)
+        among = self.faults(getattr(entry, key), number, key, case.faults)
         if len(among) < many:
             raise self.document.error(f"'{key}' has one fault only, and a pair takes two", "case", number, key)
         if math.comb(len(among), many) > self.limit:
@@ -67,8 +67,13 @@ class Cases:
             name = f"{entry.name}: {' + '.join(fault.id for fault in faults)}"
             yield replace(case, name=name, faults=self.together([*case.faults, *faults], number, key))
 
-    def faults(self, names: str | Sequence[str] | None, number: int, key: str) -> tuple[Fault, ...]:
-        """The faults of the files of an entry; each knows the file that it is from."""
+    def faults(
+        self, names: str | Sequence[str] | None, number: int, key: str, common: Sequence[Fault] | None = None
+    ) -> tuple[Fault, ...]:
+        """The faults of the files of an entry; each knows the file that it is from.
+
+        Those that are ``common`` already are left out, and then files may share what is alike in them.
+        """
         found: list[Fault] = []
         for place, name in enumerate([names] if isinstance(names, str) else names or []):
             where = "case", number, key, place
@@ -81,6 +86,9 @@ class Cases:
             if not here and path == Path(name):  # not in the system either; the current folder does not matter
                 raise self.document.error(f"there is no fault file '{name}'", *where)
             found += [replace(fault, file=str(path if here else name)) for fault in load_faults(path)]
+        if common is not None:
+            alike = [_acts(fault) for fault in (*common, *found)]
+            found = [fault for n, fault in enumerate(found, len(common)) if alike.index(alike[n]) == n]
         return self.together(found, number, key)
 
     def together(self, faults: Sequence[Fault], number: int, key: str) -> tuple[Fault, ...]:
@@ -89,3 +97,8 @@ class Cases:
             return self.system.faults(faults)
         except NavfmuError as error:
             raise self.document.error(str(error), "case", number, key) from None
+
+
+def _acts(fault: Fault) -> dict[str, Any]:
+    """What a fault does, whatever is said of it and wherever that stands."""
+    return {key: value for key, value in fault.describe().items() if key not in ("file", "fmea", "description")}

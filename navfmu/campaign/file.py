@@ -191,8 +191,8 @@ class _Reader:
     def allowed(self, runs: int, allow: Callable[[int], None] | None) -> None:
         """Refuse more runs than can be kept; ``allow`` may refuse fewer."""
         if runs > CEILING:
-            count = f"{runs:,}".replace(",", " ")
-            raise self.document.error(f"has {count} runs, more than {CEILING:,}".replace(",", " "))
+            counts = (f"{count:,}".replace(",", " ") for count in (runs, CEILING))
+            raise self.document.error("has {} runs, more than {}".format(*counts))
         if allow is not None:
             allow(runs)
 

@@ -336,7 +336,7 @@ def _cell_section(result: Page, outcome: Outcome, variant: str, case: Case) -> N
     if len(every) > 1:
         which = "the worst run" if shown is worst else "the first run"
         result.text(f"Where one run is shown it is {which}, seed {shown.run.seed}: {shown.run.experiment.command()}")
-    for picture in pictures_of(outcome, variant):
+    for picture in pictures_of(outcome, variant, case):
         lacking = missing(picture, outcome.campaign.systems[variant].fmus)
         if lacking:
             result.text(f"The picture '{picture.kind}' is left out: {variant} has no {', '.join(lacking)}.")

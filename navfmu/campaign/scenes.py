@@ -13,13 +13,14 @@ from navfmu.report.scene import Bound, Recorded, Scene
 from navfmu.system.scene import scene_of
 
 
-def pictures_of(outcome: Outcome, variant: str) -> list[Picture]:
-    """Those of the system's report file, and the signals of requirements that have no picture there."""
+def pictures_of(outcome: Outcome, variant: str, case: Case) -> list[Picture]:
+    """Those of the system's report file, and the signals of requirements asked here that have no picture there."""
     campaign = outcome.campaign
     system = campaign.systems[variant]
     found = list(system.report.pictures) if system.report else []
     shown = {name for picture in found if isinstance(picture, percentiles.Picture) for name in picture.needs()}
-    for name in dict.fromkeys(requirement.signal for requirement in campaign.requirements):
+    asked = [requirement for requirement in campaign.requirements if requirement.applies(variant, case.written)]
+    for name in dict.fromkeys(requirement.signal for requirement in asked):
         try:
             worth_a_curve = system.variable(name.removesuffix("@true")).type == "Real"
         except NavfmuError:  # another variant's

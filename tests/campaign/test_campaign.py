@@ -196,6 +196,16 @@ def test_the_report_stands_alone_and_says_how_to_repeat_every_run(done):
     assert about["seeds"] == [1, 2, 3] and set(about["digests"]) == {"main", "slow"}
 
 
+def test_a_signal_that_is_asked_in_one_case_only_has_its_picture_there(tmp_path, monkeypatch):
+    """It was drawn in the others, too, where it is not recorded."""
+    monkeypatch.setattr("navfmu.campaign.report.PICTURED", 2)
+    text = f'system = "{systems.tracker()}"\nstop = 1.0\n[[case]]\nname = "one"\n[[case]]\nname = "other"\n'
+    for case, signal in (("one", "lag.y"), ("other", "truth.y")):
+        text += f'[[requirement]]\nid = "{case}"\nsignal = "{signal}"\nat_most = 100.0\ncases = ["{case}"]\n'
+    outcome = run_campaign(load_campaign(write(tmp_path, text)), tmp_path / "out", workers="thread")
+    assert outcome.passed and outcome.report.read_text().count("data:image/png;base64") == 2
+
+
 def test_the_command_prints_verdicts_and_can_be_strict(done):
     file, folder = done
     runner = CliRunner()
