@@ -28,8 +28,8 @@ def checkout(tmp_path_factory):
     return folder
 
 
-def call(folder, *arguments):
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+def call(folder, *arguments, **variables):
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | variables
     return subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
 
 
@@ -48,7 +48,8 @@ def test_the_integration_test_passes(checkout):
     text = (ROOT / "examples" / "test_outage.py").read_text()
     local = text.replace('"backup_navigator"', repr(str(checkout / "dist" / "backup_navigator.ssp")))
     (checkout / "test_outage.py").write_text(local)
-    done = call(checkout, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_outage.py")
+    plugins = "-p", "navfmu.testing.plugin", "-p", "no:cacheprovider"
+    done = call(checkout, "-m", "pytest", "-q", *plugins, "test_outage.py", PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
     assert done.returncode == 0 and "1 passed" in done.stdout, done.stdout
 
 

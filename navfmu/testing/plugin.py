@@ -6,7 +6,7 @@ import ast
 import inspect
 import os
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,8 +55,30 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("system", every, indirect=True, ids=[setting.id for setting in every])
 
 
+class Systems:
+    """What a test gets as ``system``: called, it puts one on the test bench."""
+
+    def __init__(self, setting: Setting, logbook: Logbook, folder: Path) -> None:
+        self.benches: list[Bench] = []
+        self._setting, self._logbook, self._folder = setting, logbook, folder
+
+    def __call__(self, name: str | os.PathLike, variant: str | None = None, **given: Any) -> Bench:
+        """A system by its path, also beside the test, or a shipped one by its name.
+
+        ``parameters``, ``twins``, ``strict``, and what else :meth:`navfmu.System.run` takes are keywords.
+        """
+        __tracebackhide__ = True
+        from navfmu.testing.bench import Bench
+
+        self.benches.append(Bench(name, variant, self._setting, self._logbook, self._folder, given))
+        return self.benches[-1]
+
+    def __repr__(self) -> str:
+        return "<systems of FMUs>"
+
+
 @pytest.fixture
-def system(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Bench]]:
+def system(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Systems]:
     """A function that puts a system on the test bench.
 
     def test_gps(system):
@@ -65,7 +87,6 @@ def system(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
             r = s.run(2100)
         assert r["evaluation.horizontal_error"].quantile(0.95) < 926
     """
-    from navfmu.testing.bench import Bench
     from navfmu.testing.logbook import Logbook
 
     def folder() -> Path:
@@ -73,17 +94,11 @@ def system(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         return Path(given) if given is not None else tmp_path_factory.getbasetemp() / "navfmu"
 
     logbook = request.node.stash[LOGBOOK] = Logbook(folder, request.node.nodeid)
-    benches: list[Bench] = []
-
-    def system(name: str | os.PathLike, variant: str | None = None, **given: Any) -> Bench:
-        __tracebackhide__ = True
-        benches.append(Bench(name, variant, getattr(request, "param", Setting()), logbook, request.path.parent, given))
-        return benches[-1]
-
+    system = Systems(getattr(request, "param", Setting()), logbook, request.path.parent)
     yield system
     logbook.clear()
     if not logbook.failed:
-        for bench in benches:
+        for bench in system.benches:
             bench.close()
 
 

@@ -262,3 +262,18 @@ def test_workers_of_xdist_tell_the_same(folder):
         plots.add(ended.row(test, "plot"))
         pandas.testing.assert_frame_equal(kept(ended, test), kept(plain, test), check_exact=True)
     assert len(plots) == 6 and all(Path(plot).is_file() for plot in plots)
+
+
+def test_an_fmu_that_crashes_loses_one_test_with_workers(folder):
+    ended = folder.pytest(
+        """
+        import pytest
+
+        @pytest.mark.parametrize("status", [0, 10, 0, 0])
+        def test_it(system, status):
+            with system("probe.fmu", step=0.1, parameters={"probe.fail_status": status, "probe.fail_at": 0.5}) as s:
+                s.run(1)
+        """,
+        *("-p", "xdist", "-n", "2"),
+    )
+    assert ended.counts == {"failed": 1, "passed": 3}, ended.out

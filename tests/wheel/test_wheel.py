@@ -82,6 +82,19 @@ def test_the_flight_is_flown_from_the_wheel_alone(python, tmp_path):
     assert 50.0 < float(done.stdout.split()[1]) < 3000.0
 
 
+def test_a_test_of_a_system_runs_from_the_wheel_alone(python, tmp_path):
+    subprocess.run([str(python), "-m", "pip", "install", "--quiet", "pytest>=8"], check=True)
+    folder = tmp_path / "an empty folder"
+    folder.mkdir()
+    (folder / "test_outage.py").write_text(
+        (ROOT / "examples" / "test_outage.py").read_text() + "    assert not HALF_MILE"
+    )
+    done = call(python, folder, "-m", "pytest", "-q", "test_outage.py", "--navfmu-artifacts", "kept")
+    assert "1 failed" in done.stdout and "gps.jammed, from 300 s" in done.stdout, done.stdout + done.stderr
+    (recording,) = (folder / "kept").rglob("recording.parquet")
+    assert recording.with_name("plot.png").is_file()
+
+
 def test_the_command_and_a_recorded_track_work_from_the_wheel_alone(python, tmp_path):
     command = python.parent / "navfmu"
     listed = subprocess.run([str(command), "info", "backup_navigator"], capture_output=True, text=True, cwd=tmp_path)
