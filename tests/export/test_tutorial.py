@@ -22,7 +22,8 @@ from navfmu.export.layout import RESERVED
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "tutorial_component.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.S | re.M)
-PROGRAMS = {"python": [], "navfmu": ["-m", "navfmu"], "pytest": ["-m", "pytest", "-q", "-p", "no:cacheprovider"]}
+PYTEST = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "navfmu.testing.plugin"]
+PROGRAMS = {"python": [], "navfmu": ["-m", "navfmu"], "pytest": PYTEST}
 INSTALL = [line for kind, text in BLOCKS if not kind for line in text.splitlines() if line.startswith("pip ")]
 
 
@@ -32,7 +33,7 @@ class Told:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.outputs: dict[str, str] = {}
-        self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        self.environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
 
     def run(self, line: str) -> str:
         program, *arguments = shlex.split(line)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import bdb
+import inspect
 import sys
 from shlex import split
 
@@ -40,6 +42,28 @@ def test_a_class_runs_from_the_file_that_it_stands_in(native):
     assert file in files_of(twin) and file not in files_of(native)
     expected, found = native.run(stop=10, seed=3), twin.run(stop=10, seed=3)
     np.testing.assert_allclose(found.astype(float), expected.astype(float), rtol=1e-12, atol=1e-12)
+
+
+class Debugger(bdb.Bdb):
+    """Stops where it is told, and looks at what is there."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[tuple[str, float]] = []
+
+    def user_line(self, frame) -> None:
+        if self.break_here(frame):
+            self.seen.append((frame.f_code.co_name, float(frame.f_locals["self"].gain)))
+        self.set_continue()
+
+
+def test_a_breakpoint_in_the_file_of_a_model_holds(native):
+    lines, first = inspect.getsourcelines(Estimator.update)
+    line = first + next(number for number, text in enumerate(lines) if "estimate =" in text)
+    debugger = Debugger()
+    assert debugger.set_break(inspect.getfile(Estimator), line) is None
+    debugger.runcall(with_twins(native, {"estimator": Estimator}).run, stop=1.0)
+    assert debugger.seen == 10 * [("update", 0.01)]  # of the variant slow; a measurement each 0.1 s
 
 
 def test_by_its_name_it_is_the_twin_that_was_built(native, tmp_path, monkeypatch):
