@@ -359,6 +359,7 @@ class Compiled:
             readers=self._keep(plan.readers, np.int32),
             memory=self._keep(plan.memory.copy(), np.float64, changes=True),
             without=self._keep(np.zeros(count), np.float64),
+            turned=self._keep(np.zeros(count), np.float64),
             trigger=self._keep(plan.triggers.copy(), TRIGGER, changes=True),
             triggers=len(plan.triggers),
             window=self._keep(plan.windows, WINDOW),

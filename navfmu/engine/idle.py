@@ -3,14 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from itertools import takewhile
+from operator import or_
 
 from navfmu.engine.clock import Clock
-from navfmu.engine.effect import ADD, HOLD, NOISE, NOW, OBSERVED, RAMP, RECORDED, SET, Effect, Key
+from navfmu.engine.effect import (
+    ADD,
+    AFFINE,
+    DELAY,
+    HOLD,
+    NOISE,
+    NOW,
+    OBSERVED,
+    RAMP,
+    RECORDED,
+    SCALE,
+    SET,
+    SLOW,
+    SPIKE,
+    Effect,
+    Key,
+    clusters,
+)
 from navfmu.engine.trigger import Windows
 from navfmu.faults.fault import Fault
 
-MEMORIES = (HOLD,)  # kinds by which a value is there after the fault that made it
+MEMORIES = (HOLD, DELAY, SLOW)  # kinds by which a value is there after the fault that made it
+NOTHING = {  # by kind, the amount and the other number that change nothing
+    ADD: ((0.0, 0.0), "adds 0"),
+    RAMP: ((0.0, 0.0), "adds 0"),
+    NOISE: ((0.0, 0.0), "adds 0"),
+    SPIKE: ((0.0, 0.0), "adds 0"),
+    SCALE: ((1.0, 0.0), "multiplies by 1"),
+    AFFINE: ((1.0, 0.0), "sends the number in its own unit"),
+}
 
 
 def idle(
@@ -27,14 +54,18 @@ def idle(
     who sees each variable; ``every`` are the steps between recorded points; ``undisturbed`` has the value of each
     driven variable without faults.
     """
-    on: dict[Key, list[Effect]] = {}
+    together = clusters(effects)
+    on: dict[tuple[Key, ...], list[Effect]] = {}
     for effect in effects:
-        on.setdefault((effect.component, effect.variable), []).append(effect)
+        if effect.fault is not None:
+            on.setdefault(together[effect.key], []).append(effect)
     reasons: dict[str, list[str]] = {}
-    for key, found in on.items():
-        own = undisturbed.get(key) if len(found) == 1 else None
+    for keys, found in on.items():
+        own = undisturbed.get(keys[0]) if len(found) == 1 else None
+        looking = reduce(or_, (readers.get(key, 0) for key in keys))
         for place, effect in enumerate(found):
-            reason = _idle(effect, found[place + 1 :], lists, readers.get(key, 0), clock, every, own)
+            later = found[place + 1 :]
+            reason = _idle(effect, later, lists, looking, clock, every, own, alone=len(keys) == 1)
             reasons.setdefault(effect.fault.id, []).append(reason)
     return {fault: found[0] for fault, found in reasons.items() if all(found)}
 
@@ -47,8 +78,12 @@ def _idle(
     clock: Clock,
     every: int,
     own: float | None,
+    alone: bool,
 ) -> str:
-    """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway."""
+    """Why an effect changes nothing, or an empty text; ``own`` is the value that a driven variable has anyway.
+
+    ``alone``: no other variable gets its value.
+    """
     windows = [window for window in lists[effect.trigger] if window.first <= clock.steps]
     name, begin = f"{effect.component}.{effect.variable}", f"starts at {lists[effect.trigger][0].start:.9g} s"
     if not windows:
@@ -62,13 +97,16 @@ def _idle(
     looking = NOW | OBSERVED | (RECORDED if first % every == 0 else 0)
     if first == clock.steps and (still or not readers & looking):
         return f"{begin}, the last communication point"
-    if effect.kind in (ADD, RAMP, NOISE) and effect.amount == 0.0:
-        return "adds 0"
+    numbers, nothing = NOTHING.get(effect.kind, (None, ""))
+    if numbers == (effect.amount, effect.other):
+        return nothing
+    if effect.pairs and all(to == source for to, source in effect.pairs):
+        return "leaves every element in its place"
     if effect.driven and effect.amount == own:
         return f"sets '{name}' to {effect.amount:.9g}, which it is anyway"
     before = takewhile(lambda other: other.kind not in MEMORIES, later)  # which would remember it
     setting = [lists[other.trigger] for other in before if other.kind == SET]
-    if any(
+    if alone and any(
         all(_inside(window.first, min(window.end, clock.steps + 1), other) for window in windows) for other in setting
     ):
         return f"is hidden: all the time another fault sets '{name}'"
@@ -95,13 +133,13 @@ def _inside(first: int, end: int, windows: Windows) -> bool:
 
 
 def unseen(
-    faults: Sequence[Fault], begins: Sequence[int], seen: Sequence[bool], clock: Clock, k: int
+    faults: Sequence[Fault | None], begins: Sequence[int], seen: Sequence[bool], clock: Clock, k: int
 ) -> dict[str, str]:
     """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
 
     ``faults``, the communication point at which each begins, and whether something was seen of it, are by effect.
     """
-    acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if was_seen}
+    acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if fault and was_seen}
     nothing = (
         "changed nothing: without it every value that was recorded, or went to a component, would have been the same"
     )
@@ -110,5 +148,5 @@ def unseen(
         if begin <= k
         else f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
         for fault, begin in zip(faults, begins, strict=True)
-        if fault.id not in acted
+        if fault and fault.id not in acted
     }

@@ -18,6 +18,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from navfmu.engine.component import Component
+from navfmu.engine.inputs import taken
 from navfmu.engine.link import TYPES, Wire
 from navfmu.engine.order import cycles, groups, sort
 
@@ -71,10 +72,9 @@ def _more(count: int) -> list[str]:
 
 
 def _give(wire: Wire, number: Mapping[str, int], slots: Mapping[Key, int]) -> tuple[int | float, ...]:
-    source, target, link = wire
+    _, target, _ = wire
     kind = TYPES.index(target.variable.type)
-    place = number[target.component], kind, target.variable.reference
-    return GIVE, *place, slots[source.key], link.factor, link.offset
+    return GIVE, number[target.component], kind, target.variable.reference, *taken(wire, slots)
 
 
 def _give_driven(
@@ -116,7 +116,10 @@ class _Circle:
             else:
                 name, output = key = self._variables[variable]
                 about = self._members[name].description.by_name[output]
-                yield READ, number[name], TYPES.index(about.type), about.reference, slots[key], 1.0, 0.0
+                place = READ, number[name], TYPES.index(about.type), about.reference
+                taps = [t.key for s, t, _ in self._wire_of.values() if s.key == key and t.key in slots]
+                for signal in (key, *taps):
+                    yield *place, slots[signal], 1.0, 0.0
 
     def leaving(self) -> list[int]:
         """The order in which the members leave initialisation.

@@ -10,7 +10,28 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine.clock import Clock
-from navfmu.engine.effect import ADD, AHEAD, HOLD, NEXT, NOISE, NOW, OBSERVED, RAMP, RECORDED, SET
+from navfmu.engine.effect import (
+    ADD,
+    AFFINE,
+    AHEAD,
+    CLIP,
+    DELAY,
+    GARBAGE,
+    HOLD,
+    NEXT,
+    NOISE,
+    NOW,
+    OBSERVED,
+    QUANTISE,
+    RAMP,
+    RECORDED,
+    SCALE,
+    SET,
+    SLOW,
+    SPIKE,
+    SWAP,
+    TAKE,
+)
 from navfmu.engine.trigger import Moment, Trigger
 
 
@@ -41,26 +62,28 @@ class Injector:
     ``seen`` has for each effect when a bit is different because of it: 3 k, at communication point k, 3 k + 1, in the
     step after it, or 3 k + 2, in that step as it leaves at its end; -1 before that. It is found by an injector of all
     the others on the signals that it reaches. ``readers`` says who sees each signal, ``every`` is the number of steps
-    between recorded points; without it nothing is looked for.
+    between recorded points; without it nothing is looked for. ``reach`` are the signals that each effect can make
+    different, ``pairs`` of signals those of which one gets the value of the other.
     """
 
     def __init__(
         self,
         effects: Sequence[np.void],
         reach: Sequence[Sequence[int]],
+        pairs: Sequence[Sequence[tuple[int, int]]],
         triggers: Sequence[Trigger],
         clock: Clock,
         readers: Sequence[int] = (),
         every: int = 0,
     ) -> None:
-        self._effects, self._reach, self._triggers = effects, reach, triggers
+        self._effects, self._reach, self._pairs, self._triggers = effects, reach, pairs, triggers
         self._clock, self._readers, self._every = clock, readers, every
         self.seen = [int(effect["seen"]) for effect in effects]
         self._memory: list[Any] = [None] * len(effects)
         self._without: list[Injector] = []
         for one in range(len(effects) if every else 0):
             others = [n for n in range(len(effects)) if n != one and set(reach[n]) & set(reach[one])]
-            chosen = [effects[n] for n in others], [reach[n] for n in others]
+            chosen = ([table[n] for n in others] for table in (effects, reach, pairs))
             self._without.append(Injector(*chosen, triggers, clock))
 
     def leave(self, truth: dict[int, float], k: int, only: int | None = None) -> dict[int, float]:
@@ -113,27 +136,48 @@ class Injector:
 
     def _remember(self, number: int, effect: np.void, now: Moment, value: float, k: int) -> None:
         """What an effect keeps of communication point ``k``, at which ``value`` came to it."""
-        kind = effect["kind"]
+        kind, amount, other = effect["kind"], float(effect["amount"]), float(effect["other"])
         if kind == HOLD and (not now.acts or k == 0):
             self._memory[number] = value
-        if kind == NOISE and now.acts:
-            self._memory[number] = float(effect["amount"]) * normal(*_key(effect), _period(effect, k))
+        elif kind == NOISE and now.acts:
+            self._memory[number] = amount * normal(*_key(effect), _period(effect, k))
+        elif kind == GARBAGE and now.acts:
+            self._memory[number] = amount + (other - amount) * uniform(words(*_key(effect), _period(effect, k))[0])
+        elif kind == SPIKE:
+            self._memory[number] = now.acts and _begins(effect, now, k)
+        elif kind == SLOW and now.acts and _begins(effect, now, k):
+            self._memory[number] = value
+        elif kind == DELAY:
+            _, history = self._memory[number] or (0, {})
+            late = math.ceil(amount + other * uniform(words(*_key(effect), _period(effect, k))[0]) if other else amount)
+            self._memory[number] = late, history | {k: value}
 
     def _change(self, number: int, effect: np.void, at: Moment, values: dict[int, float], k: int) -> None:
         """What an effect makes of its signal as of ``k``, while it acts as it did at the point of ``at``."""
-        slot, kind, amount = int(effect["slot"]), effect["kind"], float(effect["amount"])
-        value = values[slot]
-        if kind == ADD:
-            value = value + amount
-        elif kind == RAMP:
-            value = value + amount * (self._clock.time(k) - at.start)
-        elif kind == SET:
-            value = amount
-        elif kind == HOLD:
-            value = self._memory[number]
-        elif kind == NOISE:
-            value = value + self._memory[number]
-        values[slot] = value
+        if effect["kind"] == SWAP:
+            pairs = self._pairs[number]
+            values |= {to: value for (to, _), value in zip(pairs, [values[source] for _, source in pairs], strict=True)}
+            return
+        if effect["kind"] == TAKE:
+            values[int(effect["slot"])] = values[self._pairs[number][0][1]]
+        slot, memory = int(effect["slot"]), self._memory[number]
+        value, amount, other = values[slot], float(effect["amount"]), float(effect["other"])
+        values[slot] = {
+            ADD: lambda: value + amount,
+            RAMP: lambda: value + amount * (self._clock.time(k) - at.start),
+            SET: lambda: amount,
+            HOLD: lambda: memory,
+            NOISE: lambda: value + memory,
+            SCALE: lambda: value * amount,
+            AFFINE: lambda: value * amount + other,
+            CLIP: lambda: amount if value < amount else other if value > other else value,
+            QUANTISE: lambda: float(np.rint(value / amount)) * amount,
+            SPIKE: lambda: value + amount if memory else value,
+            GARBAGE: lambda: memory,
+            DELAY: lambda: memory[1][max(k - memory[0], 0)] if memory[0] else value,
+            SLOW: lambda: memory,
+            TAKE: lambda: value if (amount, other) == (1.0, 0.0) else amount * value + other,
+        }[int(effect["kind"])]()
 
     def state(self) -> State:
         """What it remembers, for a snapshot."""
@@ -153,6 +197,12 @@ def _key(effect: np.void) -> tuple[int, int, int]:
 def _period(effect: np.void, k: int) -> int:
     """The number of the period in which communication point ``k`` lies."""
     return k * int(effect["multiplier"]) // int(effect["divisor"])
+
+
+def _begins(effect: np.void, now: Moment, k: int) -> bool:
+    """Whether one of the periods begins at ``k`` that are counted from the beginning of the window."""
+    n = k - now.since
+    return n == 0 or _period(effect, n) != _period(effect, n - 1)
 
 
 def _differ(a: float, b: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -55,7 +55,7 @@ def inputs_of(
             continue
         line = algorithm == "gauss_seidel" and (source, target) not in cut and _continuous(source, target)
         smooth = line and component.description.can_interpolate_inputs
-        entry = _Input(target.variable, slots[source.key], link.factor, link.offset, line and not smooth)
+        entry = _Input(target.variable, *taken((source, target, link), slots), line and not smooth)
         groups["smooth" if smooth else target.variable.type].append(entry)
     for name, variable in driven:
         if name == component.name:
@@ -64,10 +64,23 @@ def inputs_of(
     return tuple(_inputs(rows) for rows in groups.values())  # type: ignore[return-value]
 
 
+def taken(wire: Wire, slots: Mapping[tuple[str, str], int]) -> tuple[int, float, float]:
+    """The signal that an input takes, factor and offset: its own one, if there is one, as it is."""
+    source, target, link = wire
+    return (slots[target.key], 1.0, 0.0) if target.key in slots else (slots[source.key], link.factor, link.offset)
+
+
 def readers_of(
-    wires: Sequence[Wire], components: Sequence[Component], algorithm: str, cut: set[tuple[Signal, Signal]]
+    wires: Sequence[Wire],
+    components: Sequence[Component],
+    algorithm: str,
+    cut: set[tuple[Signal, Signal]],
+    taps: Collection[tuple[str, str]],
 ) -> dict[tuple[str, str], int]:
-    """Who takes each connected output, (component, variable): a sum of ``NOW``, ``NEXT`` and ``AHEAD``."""
+    """Who takes each connected output, (component, variable): a sum of ``NOW``, ``NEXT`` and ``AHEAD``.
+
+    ``taps`` are the inputs that take a signal of their own.
+    """
     smooth = {component.name for component in components if component.description.can_interpolate_inputs}
     readers: dict[tuple[str, str], int] = {}
     for source, target, _ in wires:
@@ -77,7 +90,8 @@ def readers_of(
             reader = AHEAD | NEXT if target.component in smooth else AHEAD
         else:
             reader = NOW
-        readers[source.key] = readers.get(source.key, 0) | reader
+        key = target.key if target.key in taps else source.key
+        readers[key] = readers.get(key, 0) | reader
     return readers
 
 

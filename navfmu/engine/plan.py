@@ -19,12 +19,14 @@ What happens at the communication points t_k (``Clock.time``):
   force: u(t_{k+1}) of a continuous input, with a slope or without, is the true value at t_{k+1} with the fault active
   at t_k still acting on it (bias kept, drift continued, noise held), so that a fault begins and ends at a communication
   point as a step, not one step earlier and not as a ramp. Driven signals are held from t_k to t_{k+1}.
+* An input on which a fault acts is a signal of its own among those of its source, which is read a second time for it:
+  no other receiver gets it.
 * Each value set, doStep and value read returns a status: OK and Warning go on, everything else ends the run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,16 +34,17 @@ import numpy as np
 
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
-from navfmu.engine.effect import NEXT, OBSERVED, RECORDED, effects_of, tables
+from navfmu.engine.effect import NEXT, OBSERVED, RECORDED, TAKE, Effect, tables
 from navfmu.engine.idle import idle
 from navfmu.engine.initial import initial_moves
 from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
+from navfmu.engine.making import effects_of
 from navfmu.engine.monitor import Monitor
 from navfmu.engine.monitor import tables as monitor_tables
 from navfmu.engine.order import sort
+from navfmu.engine.trigger import ALWAYS, windows
 from navfmu.engine.trigger import tables as trigger_tables
-from navfmu.engine.trigger import windows
 from navfmu.errors import NavfmuError, nearest
 from navfmu.expressions.program import Source
 from navfmu.faults.fault import Fault
@@ -51,6 +54,7 @@ from navfmu.fmi.names import Signal
 from navfmu.fmi.values import expand
 
 ALGORITHMS = ("jacobi", "gauss_seidel")
+Key = tuple[str, str]  # component, variable
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class Plan:
     triggers: np.ndarray  # TRIGGER: one for each fault
     windows: np.ndarray  # WINDOW
     begins: tuple[int, ...]  # communication point at which each effect begins
-    faults: tuple[Fault, ...]  # of each effect
+    faults: tuple[Fault | None, ...]  # of each effect; none of those with which an input takes something
     recorded: tuple[Recorded, ...]
     questions: tuple[Monitor, ...]
     monitors: np.ndarray  # MONITOR: a row for each question
@@ -134,6 +138,10 @@ class Plan:
     def rows(self) -> int:
         """Rows of the recording, the one at t = 0 included."""
         return self.clock.steps // self.record_every + 1
+
+    def reached(self, first: int, count: int) -> list[int]:
+        """Signals that an effect names."""
+        return self.reach[first : first + count].tolist()
 
     @property
     def first_driven(self) -> int:
@@ -178,6 +186,15 @@ def make_plan(
     wires = [_wire(link, system) for link in links]
     connected = _connected(wires)
     effects = effects_of(faults, by_name, connected)
+    failing = {key for effect in effects for key in effect.keys}
+    taps = {wire[1].key: wire for wire in wires if wire[1].key in failing}
+    _check_swaps(effects, taps)
+    into = [effect for effect in effects if effect.key in taps]
+    effects = [
+        *(effect for effect in effects if effect.key not in taps),
+        *_takes(taps, len(faults)),
+        *into,
+    ]  # as it goes from end to end
     columns = _columns(record, system)
     programs = [(monitor.program(system), monitor.condition(system)) for monitor in monitors]
     sources = [source for pair in programs for program in pair if program for source in program.sources]
@@ -187,38 +204,35 @@ def make_plan(
     cut_names = {(components[a].name, components[b].name) for a, b in cut_edges}
     cut = [(s, t) for s, t, _ in wires if (s.component, t.component) in cut_names]
 
-    read = {s.key for s, _, _ in wires} | {(e.component, e.variable) for e in effects if not e.driven}
-    driven = {(e.component, e.variable): None for e in effects if e.driven}  # a set that keeps its order
+    read = {s.key for s, _, _ in wires} | {key for e in effects if not e.driven for key in e.keys} - taps.keys()
+    driven = {e.key: None for e in effects if e.driven}  # a set that keeps its order
     for end in (*(end for end, _ in columns), *(source.signal for source in sources)):
         if end.key not in connected and end.key not in driven:
             read.add(end.key)
-    outputs = {
-        c.name: {t: [v for v in c.description.variables if v.type == t and (c.name, v.name) in read] for t in TYPES}
-        for c in components
-    }
-    signals = [(c.name, v.name) for c in components for t in TYPES for v in outputs[c.name][t]] + list(driven)
+    outputs = {c.name: {t: _outputs(c, t, read, taps.values()) for t in TYPES} for c in components}
+    signals = [key for c in components for t in TYPES for key in outputs[c.name][t]] + list(driven)
     slots = {key: slot for slot, key in enumerate(signals)}
 
-    ordered = [e for c in components for e in effects if e.component == c.name and not e.driven]
-    ordered += [e for e in effects if e.driven]
-    readers = readers_of(wires, components, algorithm, set(cut))
+    blocks = [None if e.driven else _block(e.key, taps) for e in effects]  # the component with whose signals each is
+    ordered = [e for c in (*by_name, None) for e, block in zip(effects, blocks, strict=True) if block == c]
+    readers = readers_of(wires, components, algorithm, set(cut), taps)
     for end, true in columns:
-        key = connected[end.key][0].key if end.key in connected else end.key
+        key = _source(end.key, connected, taps)
         readers[key] = readers.get(key, 0) | (0 if true else RECORDED)
     for source in sources:
-        key = source.signal.key
-        key = connected[key][0].key if key in connected else key
+        key = _source(source.signal.key, connected, taps)
         readers[key] = readers.get(key, 0) | (0 if source.true else OBSERVED)
     for key in driven:
         readers[key] = readers.get(key, 0) | NEXT
     lists = [windows(fault, clock) for fault in faults]
+    lists += [ALWAYS] if taps else []
     triggers, window_table = trigger_tables(lists)
     effect_tables = tables(ordered, slots, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     useless = idle(ordered, lists, readers, clock, every, undisturbed)
 
-    faulted = {(effect.component, effect.variable) for effect in ordered}
+    faulted = {key for effect in ordered for key in effect.keys}
 
     def place(source: Source) -> tuple[int, float, float]:
         column = _recorded(source.signal, source.true, slots, connected)
@@ -230,9 +244,10 @@ def make_plan(
     parts, first_effect = [], 0
     for component in components:
         groups = inputs_of(component, wires, driven, slots, algorithm, set(cut))
-        count = sum(e.component == component.name and not e.driven for e in ordered)
-        references = {t: np.array([v.reference for v in outputs[component.name][t]], np.uint32) for t in TYPES}
-        first_signal = next((slots[component.name, v.name] for t in TYPES for v in outputs[component.name][t]), 0)
+        count = blocks.count(component.name)
+        own = outputs[component.name]
+        references = {t: np.array(list(own[t].values()), np.uint32) for t in TYPES}
+        first_signal = next((slots[key] for t in TYPES for key in own[t]), 0)
         settings = _settings(component, starts[component.name])
         parts.append(Part(component, settings, *groups, first_signal, references, first_effect, count))
         first_effect += count
@@ -298,6 +313,43 @@ def _connected(wires: Sequence[Wire]) -> dict[tuple[str, str], tuple[Signal, Lin
     return connected
 
 
+def _takes(taps: Mapping[Key, Wire], trigger: int) -> list[Effect]:
+    """What connections do to inputs on which faults act, as effects of their own."""
+    return [
+        Effect(None, *key, TAKE, link.factor, link.offset, trigger=trigger, pairs=((key, source.key),))
+        for key, (source, _, link) in taps.items()
+    ]
+
+
+def _check_swaps(effects: Iterable[Effect], taps: Mapping[Key, Wire]) -> None:
+    for effect in effects:
+        places = dict.fromkeys(_block(key, taps) for key, _ in effect.pairs)
+        if len(places) > 1:
+            come = ", ".join(f"'{name}'" for name in places)
+            raise effect.fault.error(f"the elements of a swap must come from one component, not from {come}", "target")
+
+
+def _block(key: Key, taps: Mapping[Key, Wire]) -> str:
+    """The component that computes a signal."""
+    return taps[key][0].component if key in taps else key[0]
+
+
+def _source(key: Key, connected: Mapping[Key, tuple[Signal, Link]], taps: Mapping[Key, Wire]) -> Key:
+    """The signal that a variable is: its own, or that of the output to which it is connected."""
+    return connected[key][0].key if key in connected and key not in taps else key
+
+
+def _outputs(component: Component, kind: str, read: Collection[Key], taps: Iterable[Wire]) -> dict[Key, int]:
+    """The signals of one type that a component computes, with their value references.
+
+    An input on which a fault acts is a signal of its own, for which its source is read a second time.
+    """
+    of_kind = {(component.name, v.name): v.reference for v in component.description.variables if v.type == kind}
+    own = {key: reference for key, reference in of_kind.items() if key in read}
+    tapped = {t.key: s.variable.reference for s, t, _ in taps if s.key in of_kind}
+    return own | tapped
+
+
 def _settings(component: Component, start: Mapping[str, Any]) -> dict[str, Settings]:
     """Start values by type."""
     known = component.description.by_name
@@ -355,7 +407,7 @@ def _recorded(
 ) -> Recorded:
     name = f"{end}{names.TRUE}" if true else str(end)
     variable = end.variable
-    if end.key in connected:
+    if end.key in connected and end.key not in slots:
         source, link = connected[end.key]
         return Recorded(name, slots[source.key], true, link.factor, link.offset, variable.type, variable.unit)
     return Recorded(name, slots[end.key], true, type=variable.type, unit=variable.unit)

@@ -224,8 +224,12 @@ class Reference:
     def _injector(self, first: int, end: int) -> Injector:
         """The effects first <= n < end of the plan."""
         plan, rows = self.plan, list(self.plan.effects[first:end])
-        reach = [plan.reach[row["first_reach"] : row["first_reach"] + row["reaches"]].tolist() for row in rows]
-        return Injector(rows, reach, self._triggers, plan.clock, plan.readers.tolist(), plan.record_every)
+        reach = [plan.reached(row["first_reach"], row["reaches"]) for row in rows]
+        pairs = [
+            list(zip(plan.reached(row["first_pair"], n), plan.reached(row["first_pair"] + n, n), strict=True))
+            for row, n in zip(rows, self.plan.effects["pairs"][first:end].tolist(), strict=True)
+        ]
+        return Injector(rows, reach, pairs, self._triggers, plan.clock, plan.readers.tolist(), plan.record_every)
 
     def _move_triggers(self, k: int) -> None:
         for trigger in self._triggers:

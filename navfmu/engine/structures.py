@@ -133,7 +133,8 @@ class Component(Structure):
 class Master(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "window", "effect", "echo")),
-        *((name, c_void_p) for name in ("reach", "readers", "memory", "without", "monitor", "operation", "signal")),
+        *((name, c_void_p) for name in ("reach", "readers", "memory", "without", "turned")),
+        *((name, c_void_p) for name in ("monitor", "operation", "signal")),
         *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers")),
         *((name, c_int32) for name in ("first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),

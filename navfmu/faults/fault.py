@@ -1,48 +1,20 @@
-"""One fault, and the table of fault types."""
+"""One fault."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.faults.checks import SORTS
+from navfmu.faults.types import COMPONENT, TIMING, TYPES
 from navfmu.fmi.seconds import seconds, short
 
-
-@dataclass(frozen=True)
-class FaultType:
-    """What a type of fault acts on and which parameters it takes."""
-
-    name: str
-    target: str
-    required: tuple[str, ...]
-    optional: tuple[str, ...]
-    effect: str
-
-
-TYPES: dict[str, FaultType] = {
-    entry.name: entry
-    for entry in (
-        FaultType("bias", "Real output", ("value",), (), "value + bias"),
-        FaultType("drift", "Real output", ("rate",), (), "value + rate * (t - start)"),
-        FaultType("stuck", "output", (), ("value",), "the given value, or the last one that left before the start"),
-        FaultType("dropout", "output bundle", (), (), "valid is false; sequence and values are held"),
-        FaultType(
-            "noise",
-            "Real output",
-            ("sigma", "period"),
-            ("stream",),
-            "value + sigma * (normal number drawn anew every period)",
-        ),
-        FaultType("input", "unconnected input", (), ("value",), "the input has the value (a Boolean input: true)"),
-        FaultType("parameter", "tunable parameter", ("value",), (), "the parameter has the value"),
-    )
-}
-
-PARAMETERS = tuple(dict.fromkeys(name for kind in TYPES.values() for name in kind.required + kind.optional))
+PARAMETERS = {parameter.name: parameter for kind in TYPES.values() for parameter in kind.parameters}
+TIMES = {parameter.name: parameter for parameter, _ in TIMING}
 COMMON = ("id", "fmea", "target", "type", "start", "duration", "description")
 
 
@@ -53,7 +25,7 @@ class Fault:
         Fault("gps_lost", "gps.jammed", "input", start=300.0)
         Fault("icing", ["air_data.air.airspeed", "air_data.air.altitude"], "drift", start="5 min", rate=[0.1, 0.5])
 
-    A target is "component.signal", "component.array" (all its elements) or, for a dropout, "component.bundle"; several
+    A target is "component.signal", "component.array" (all its elements) or "component.bundle"; several
     targets fail together, of one cause. Times are in s or texts such as "5 min". Parameters of the type (``TYPES``) are
     given by keyword, or as ``parameters``, in the unit of the target or as texts such as "0.5 nmi"; a list gives one
     value for each element of all targets.
@@ -95,10 +67,10 @@ class Fault:
         keep(parameters={**(parameters or {}), **given})
         if not id or not isinstance(id, str):
             raise self.error("'id' must be a text that is not empty", "id")
-        keep(target=self._checked_target(target))
-        if type not in TYPES:
+        if not isinstance(type, str) or type not in TYPES:
             known = ", ".join(TYPES)
-            raise self.error(f"unknown type {type!r}{nearest(str(type), TYPES)} (types: {known})", "type")
+            raise self.error(f"unknown type {short(type)}{nearest(str(type), TYPES)} (types: {known})", "type")
+        keep(target=self._checked_target(target))
         keep(start=self._time("start", start), duration=self._time("duration", duration))
         if not 0 <= self.start < math.inf:
             raise self.error(f"'start' must be a time in s, 0 or later, not {start!r}", "start")
@@ -107,41 +79,46 @@ class Fault:
         self._check_parameters()
 
     def _checked_target(self, target: Any) -> str | tuple[str, ...]:
+        whole = TYPES[self.type].places == (COMPONENT,)
         several = not isinstance(target, str) and isinstance(target, Sequence)
         if several and not target:
             raise self.error("'target' is an empty list", "target")
         for number, name in enumerate(target if several else [target]):
-            if not isinstance(name, str) or "." not in name:
-                raise self.error(f"'target' must be written component.signal, not {name!r}", "target")
+            if whole and (not isinstance(name, str) or "." in name):
+                raise self.error(f"'target' must be the name of a component, not {short(name)}", "target")
+            if not whole and (not isinstance(name, str) or "." not in name):
+                raise self.error(f"'target' must be written component.signal, not {short(name)}", "target")
             if several and name in target[:number]:
                 raise self.error(f"'target' has '{name}' twice", "target")
         return (tuple(target) if len(target) > 1 else target[0]) if several else target
 
     def _time(self, name: str, value: Any) -> float:
-        try:
-            return seconds(value, f"'{name}'")
-        except NavfmuError as error:
-            raise self.error(str(error), name) from None
+        return self._checked(lambda name, value: seconds(value, f"'{name}'"), name, value)
 
     def _check_parameters(self) -> None:
         kind = TYPES[self.type]
-        allowed = kind.required + kind.optional
-        for name in self.parameters:
-            if name not in allowed:
-                takes = ", ".join(allowed) or "no parameters"
-                hint = "" if name in PARAMETERS else nearest(name, (*allowed, *COMMON))
+        own = {parameter.name: parameter for parameter in kind.parameters}
+        for name, value in self.parameters.items():
+            if name not in own | TIMES:
+                takes = ", ".join(own) or "no parameters"
+                hint = "" if name in PARAMETERS else nearest(name, (*own, *TIMES, *COMMON))
                 raise self.error(f"type '{self.type}' has no parameter '{name}'{hint} (it takes {takes})", name)
+            check = SORTS.get((own | TIMES)[name].sort)
+            if check is not None:
+                self.parameters[name] = self._checked(check, name, value)
         for name in kind.required:
             if name not in self.parameters:
                 raise self.error(f"type '{self.type}' needs the parameter '{name}'", "type")
-        if "period" in self.parameters:
-            period = self._time("period", given := self.parameters["period"])
-            if not 0 < period < math.inf:
-                raise self.error(f"'period' must be a positive time in s, not {given!r}", "period")
-            self.parameters["period"] = period
-        stream = self.parameters.get("stream", 0)
-        if isinstance(stream, bool) or not isinstance(stream, int) or not 0 <= stream < 2**31:
-            raise self.error(f"'stream' must be a whole number from 0 to 2147483647, not {short(stream)}", "stream")
+        for parameter, needs in TIMING:
+            missing = [name for name in needs if name not in self.parameters]
+            if parameter.name in self.parameters and missing:
+                raise self.error(f"'{parameter.name}' needs '{missing[0]}' beside it", parameter.name)
+
+    def _checked(self, check: Callable[[str, Any], Any], name: str, value: Any) -> Any:
+        try:
+            return check(name, value)
+        except NavfmuError as error:
+            raise self.error(str(error), name) from None
 
     @property
     def targets(self) -> tuple[str, ...]:

@@ -1,16 +1,27 @@
-"""What may stand in a fault file; which type of fault takes what, ``fault.TYPES`` says."""
+"""What may stand in a fault file; which type of fault takes what, ``types.TYPES`` says."""
 
 from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, create_model
 
-from navfmu.faults.fault import PARAMETERS, TYPES
+from navfmu.faults.fault import PARAMETERS, TIMES
+from navfmu.faults.types import TYPES
 from navfmu.files.schema import Field, Number, Table, Texts
 
 Value = Number | bool | str | list[Number | bool | str]
 Time = Number | str
+KINDS = {  # by the sort of a parameter, how it may be written; the others are values, or lists of them
+    "time": Time,
+    "delay": Time,
+    "stream": int,
+    "order": list[int],
+    "unit": str,
+    "not finite": Number | str,
+    "positive": Number,
+    "text": str,
+}
 
 
 def _by_type(schema: dict[str, Any]) -> None:
@@ -27,15 +38,25 @@ def _by_type(schema: dict[str, Any]) -> None:
     ]
 
 
-class FaultEntry(Table):
+def _words(name: str) -> str:
+    """What a parameter is, for each type that takes it."""
+    said: dict[str, list[str]] = {}
+    for kind in TYPES.values():
+        for parameter in kind.parameters:
+            if parameter.name == name:
+                said.setdefault(parameter.words, []).append(kind.name)
+    return "; ".join(f"{', '.join(kinds)}: {words}" for words, kinds in said.items())
+
+
+class _Entry(Table):
     """One fault: what fails, how, and when."""
 
     model_config = ConfigDict(json_schema_extra=_by_type)
     noun: ClassVar[str] = "fault"
 
-    id: str = Field(description="name of the fault, unique in the file; also names its noise")
+    id: str = Field(description="name of the fault, unique in the file; also names its random numbers")
     target: str | Texts = Field(
-        description="component.signal, an array for all its elements, or the bundle of a dropout; "
+        description="component.signal, an array for all its elements, a bundle for all its members; "
         "a list fails together, of one cause"
     )
     type: str = Field(
@@ -44,23 +65,27 @@ class FaultEntry(Table):
     )
     start: Time = Field(0.0, description='when it begins: s, or a text such as "5 min"')
     duration: Time | None = Field(None, description="how long it lasts; default: to the end")
-    value: Value | None = Field(
-        None, description='value or bias in the target\'s unit, or a text such as "0.5 nmi"; or one for each element'
-    )
-    rate: Value | None = Field(None, description="drift in the target's unit per s, or one for each element")
-    sigma: Value | None = Field(None, description="standard deviation of noise, or one for each element")
-    period: Time | None = Field(None, description="time between two new numbers of noise")
-    stream: int | None = Field(None, description="number of the noise stream; default: made from the id")
     fmea: str = Field("", description="row of the failure modes and effects analysis")
     description: str = Field("", description="what happens, in words")
 
     def parameters(self) -> dict[str, Any]:
-        """What its type takes: the entries that are given and that not every fault has."""
-        return {name: getattr(self, name) for name in PARAMETERS if getattr(self, name) is not None}
+        """What its type and its times take: the entries that are given and that not every fault has."""
+        return {name: getattr(self, name) for name in PARAMETERS | TIMES if getattr(self, name) is not None}
+
+
+FaultEntry = create_model(
+    "FaultEntry",
+    __base__=_Entry,
+    __doc__=_Entry.__doc__,
+    **{
+        name: (KINDS.get(parameter.sort, Value) | None, Field(None, description=_words(name) or parameter.words))
+        for name, parameter in (PARAMETERS | TIMES).items()
+    },
+)
 
 
 class FaultFile(Table):
     """A fault file of navfmu: what fails in a run."""
 
     description: str = Field("", description="what the faults are about")
-    fault: list[FaultEntry] = Field([], description="the faults; on one signal they act in this order")
+    fault: list[FaultEntry] = Field([], description="the faults; on one signal they act in this order")  # type: ignore[valid-type]

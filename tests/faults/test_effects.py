@@ -283,7 +283,7 @@ def test_clearing_a_fault_restores_the_output_bit_for_bit(algorithm):
 
 
 @ALGORITHMS
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_random_faults_act_alike_in_both_engines(seed, algorithm):
     rng = np.random.default_rng(seed)
     menu = [
@@ -299,6 +299,23 @@ def test_random_faults_act_alike_in_both_engines(seed, algorithm):
         ("source.number", "input", lambda: {"value": int(rng.integers(10))}),
         ("source.u", "input", lambda: {"value": float(rng.normal())}),
         ("lag.gain", "parameter", lambda: {"value": float(rng.uniform(0, 2))}),
+        ("source.y", "scale", lambda: {"factor": float(rng.choice([-1.0, 0.5]))}),
+        ("source.y", "quantise", lambda: {"step": float(rng.choice([0.3, 1e-300]))}),
+        ("source.y", "saturate", lambda: {"high": float(rng.choice([0.5, 9.0]))}),
+        ("source.y", "spike", lambda: {"value": 1.0, "every": 0.25}),
+        ("source.y", "garbage", lambda: {"low": -1.0, "high": 1.0, "period": 0.2}),
+        (
+            "source.y",
+            "delay",
+            lambda: {"delay": float(rng.choice([0.0, 0.1, 0.5])), "jitter": float(rng.choice([0, 0.4]))},
+        ),
+        ("source.y", "slow", lambda: {"period": float(rng.choice([0.1, 0.3]))}),
+        (["source.y", "source.seen"], "swap", lambda: {"order": [2, 1]}),
+        ("source.data", "delay", lambda: {"delay": 0.2}),
+        ("lag.u", "bias", lambda: {"value": 1.0}),
+        ("lag.u", "stuck", lambda: {"value": 3.0}),
+        ("lag.u", "delay", lambda: {"delay": 0.3}),
+        ("lag.number", "stuck", lambda: {}),
     ]
     faults = []
     for number in range(12):

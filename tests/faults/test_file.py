@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import navfmu
+from navfmu.engine.making import RECIPES
 from navfmu.errors import NavfmuError
 from navfmu.faults import TYPES, Fault, load_faults
 from navfmu.faults.file import parse_faults
@@ -86,10 +87,17 @@ def test_a_mistake_is_told_with_its_line(text, sentence):
 
 
 def test_the_table_of_types_says_what_each_acts_on_and_takes():
-    assert set(TYPES) == {"bias", "drift", "stuck", "dropout", "noise", "input", "parameter"}
+    assert set(TYPES) == set(RECIPES)
     for name, kind in TYPES.items():
         assert kind.name == name
         assert kind.target and kind.effect
+
+
+def test_the_documented_table_is_that_of_the_types():
+    text = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+    for kind in TYPES.values():
+        given = ", ".join(f"`{p.name}`" + ("" if p.required else " (optional)") for p in kind.parameters)
+        assert f"| `{kind.name}` | {kind.target} | {given} | {kind.effect} |" in text
 
 
 def test_the_documented_examples_are_fault_files():

@@ -8,13 +8,16 @@ from navfmu.errors import NavfmuError
 from navfmu.faults.file import parse_faults
 from tests.engine.probe import probe
 
+REAL = "Real outputs and connected inputs"
+WHOLE = r"\(types for it: stuck, delay, slow\)"
 
-def plan(target, kind, start=0.0, duration="inf", step=0.1, **parameters):
+
+def plan(target, kind, start=0.0, duration="inf", **parameters):
     lines = [f'id = "x"\ntarget = "{target}"\ntype = "{kind}"\nstart = {start}\nduration = {duration}']
     lines += [f"{key} = {value}" for key, value in parameters.items()]
     faults = parse_faults("[[fault]]\n" + "\n".join(lines), "f.toml")
     system = [probe("a"), probe("b")], [Link("a.y", "b.u")]
-    return make_plan(*system, step=step, stop=10.0, faults=faults)
+    return make_plan(*system, step=0.1, stop=10.0, faults=faults)
 
 
 @pytest.mark.parametrize(
@@ -22,18 +25,30 @@ def plan(target, kind, start=0.0, duration="inf", step=0.1, **parameters):
     [
         ("aa.y", "bias", {"value": 1}, r"f\.toml, line 1: fault 'x': .*no component 'aa'; did you mean 'a'\?"),
         ("a.yy", "bias", {"value": 1}, r"component 'a' has no variable 'yy'; did you mean 'y'\?"),
-        ("a.echo", "bias", {"value": 1}, r"'bias' acts on Real outputs, but 'a\.echo' is an Integer \(use 'stuck'\)"),
-        ("a.flag_echo", "drift", {"rate": 1}, r"acts on Real outputs, but 'a\.flag_echo' is a Boolean"),
-        ("a.echo", "noise", {"sigma": 1, "period": 1}, "acts on Real outputs"),
-        ("b.u", "bias", {"value": 1}, r"acts on outputs, but 'b\.u' is an input"),
-        ("a.u", "stuck", {}, "acts on outputs, but 'a.u' is an input; to drive an unconnected input use type 'input'"),
-        ("b.u", "input", {"value": 1}, r"input 'b\.u' is connected; only an unconnected input can be driven"),
-        ("a.y", "input", {"value": 1}, r"'a\.y' is not an input but an output"),
-        ("a.tau", "parameter", {"value": 1}, r"parameter 'a\.tau' is fixed; only a tunable one can change"),
-        ("a.y", "parameter", {"value": 1}, r"'a\.y' is not an adjustable \(tunable\) parameter but an output"),
+        ("a.echo", "bias", {"value": 1}, rf"'bias' acts on {REAL}, but 'a\.echo' is an Integer output {WHOLE}"),
+        ("a.flag_echo", "drift", {"rate": 1}, rf"acts on {REAL}, but 'a\.flag_echo' is a Boolean output {WHOLE}"),
+        ("a.echo", "noise", {"sigma": 1, "period": 1}, f"acts on {REAL}"),
+        ("a.echo", "swap", {"order": "[1]"}, f"acts on {REAL}, but 'a.echo' is an Integer output"),
+        ("a.u", "stuck", {}, r"but 'a\.u' is an unconnected input \(types for it: input\)"),
+        (
+            "b.u",
+            "input",
+            {"value": 1},
+            r"'input' acts on unconnected inputs, but 'b\.u' is a connected input \(types for",
+        ),
+        ("a.y", "input", {"value": 1}, r"but 'a\.y' is an output \(types for it: bias, scale, "),
+        ("a.tau", "parameter", {"value": 1}, r"'a\.tau' is a fixed parameter \(no type of fault acts on it\)"),
+        ("a.time", "bias", {"value": 1}, r"'a\.time' is a local variable \(no type of fault acts on it\)"),
+        ("a.y", "parameter", {"value": 1}, r"'parameter' acts on tunable parameters, but 'a\.y' is an output"),
+        (
+            "a.data",
+            "bias",
+            {"value": 1},
+            r"'a\.data' is a bundle, type 'bias' acts on members of it: data\.value, data\.t",
+        ),
         ("a.gain", "parameter", {"value": 11}, "'value': 'gain' = 11 is out of range: expected -10 to 10"),
-        ("a.y", "dropout", {}, r"not an output bundle .*; bundles of 'a': 'data'"),
-        ("a.dat", "dropout", {}, r"not an output bundle .*; did you mean 'data'\?"),
+        ("a.y", "dropout", {}, r"is not a bundle of outputs or connected inputs .*; bundles of 'a': 'data'"),
+        ("a.dat", "dropout", {}, r"is not a bundle of .*; did you mean 'data'\?"),
         ("a.u", "input", {}, "needs the parameter 'value' for a Real or Integer target"),
         ("a.flag", "input", {"value": 2}, "'value' = 2 for 'a.flag': expected true or false"),
         ("a.number", "input", {"value": 1.5}, r"'value' = 1\.5 for 'a.number': expected an integer"),
@@ -43,6 +58,24 @@ def plan(target, kind, start=0.0, duration="inf", step=0.1, **parameters):
         ("a.y", "bias", {"value": "true"}, "'value' = True for 'a.y': expected a number"),
         ("a.y", "noise", {"sigma": -1, "period": 1}, "'sigma' = -1 for 'a.y': expected a number that is not negative"),
         ("a.y", "drift", {"rate": '"1 m"'}, "'rate' = 1 m for 'a.y': expected a number"),
+        ("a.y", "scale", {"factor": "inf"}, "'factor' = inf for 'a.y': expected a finite number"),
+        ("a.y", "scale", {"factor": '"1 m"'}, "'factor' = 1 m for 'a.y': expected a number without a unit"),
+        ("a.y", "unit", {"unit": '"ft"'}, "'unit' = ft for 'a.y': the variable has no unit that is known"),
+        ("a.y", "unit", {"unit": "1"}, "line 7: fault 'x': 'unit' is 1, expected a text"),
+        ("a.y", "saturate", {}, "type 'saturate' needs the parameter 'low' or 'high'"),
+        ("a.y", "saturate", {"low": 2, "high": 1}, "'low' is 2 and 'high' 1 for 'a.y'"),
+        ("a.y", "quantise", {"step": 0}, "'step' = 0 for 'a.y': expected a positive number"),
+        ("a.y", "spike", {"value": 1, "every": 0}, "'every' must be a positive time in s, not 0"),
+        ("a.y", "garbage", {"low": 3, "high": 1, "period": 1}, "'low' is 3 and 'high' 1 for 'a.y'"),
+        ("a.y", "garbage", {"low": 3, "period": 1}, "type 'garbage' needs the parameter 'high'"),
+        ("a.y", "nan", {"value": '"nane"'}, "'value' must be 'nan', 'inf' or '-inf', not 'nane'; did you mean 'nan'"),
+        ("a.y", "nan", {"value": 1.5}, "'value' must be 'nan', 'inf' or '-inf', not 1.5"),
+        ("a.y", "delay", {"delay": -1}, "'delay' must be a time in s, 0 or longer, not -1"),
+        ("a.y", "delay", {"delay": 1, "jiter": 1}, "unknown entry 'jiter'; did you mean 'jitter'"),
+        ("a.y", "slow", {"period": '"1 m"'}, "'m' is no unit of time"),
+        ("a.y", "swap", {"order": "[2, 1]"}, "'order' has 2 places, the target has 1 elements"),
+        ("a.y", "swap", {"order": "[1, 1]"}, "'order' must have each of the places 1, 2, ... once"),
+        ("a.y", "swap", {"order": "[0]"}, "'order' must have each of the places 1, 2, ... once"),
     ],
 )
 def test_impossible_faults(target, kind, parameters, sentence):
@@ -75,6 +108,9 @@ def fault(name, target, kind, **parameters):
         ("a.y", "drift", {"start": 9.95, "rate": 1}, None),  # which is 0.05 there
         ("a.y", "drift", {"start": 9.9, "rate": 1}, None),
         ("a.y", "bias", {"value": 0}, "adds 0"),
+        ("a.y", "spike", {"value": 0}, "adds 0"),
+        ("a.y", "scale", {"factor": 1}, "multiplies by 1"),
+        ("a.y", "swap", {"order": "[1]"}, "leaves every element in its place"),
         ("a.y", "drift", {"rate": 0.0}, "adds 0"),
         ("a.y", "noise", {"sigma": 0, "period": 1}, "adds 0"),
         ("a.gain", "parameter", {"value": 1}, "sets 'a.gain' to 1, which it is anyway"),

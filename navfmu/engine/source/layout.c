@@ -21,9 +21,10 @@ static const Field FIELDS[] = {
     WHOLE(Trigger), FIELD(Trigger, kind), FIELD(Trigger, window), FIELD(Trigger, last), FIELD(Trigger, now),
     FIELD(Trigger, before),
 
-    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, amount),
+    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, amount), FIELD(Effect, other),
     FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, multiplier), FIELD(Effect, divisor),
-    FIELD(Effect, memory), FIELD(Effect, size), FIELD(Effect, first_reach), FIELD(Effect, reaches),
+    FIELD(Effect, memory), FIELD(Effect, size), FIELD(Effect, first_pair), FIELD(Effect, pairs),
+    FIELD(Effect, first_reach), FIELD(Effect, reaches),
     FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, followed),
     FIELD(Effect, seen),
 
@@ -64,7 +65,7 @@ static const Field FIELDS[] = {
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
     FIELD(Master, trigger), FIELD(Master, window), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, reach),
-    FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, monitor),
+    FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, turned), FIELD(Master, monitor),
     FIELD(Master, operation), FIELD(Master, signal),
     FIELD(Master, components), FIELD(Master, moves), FIELD(Master, signals), FIELD(Master, monitors),
     FIELD(Master, triggers),
@@ -77,7 +78,9 @@ static const Field FIELDS[] = {
     VALUE(TriggerKind, LISTED),
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
-    VALUE(EffectKind, NOISE),
+    VALUE(EffectKind, NOISE), VALUE(EffectKind, SCALE), VALUE(EffectKind, AFFINE), VALUE(EffectKind, CLIP),
+    VALUE(EffectKind, QUANTISE), VALUE(EffectKind, SPIKE), VALUE(EffectKind, GARBAGE), VALUE(EffectKind, DELAY),
+    VALUE(EffectKind, SLOW), VALUE(EffectKind, SWAP), VALUE(EffectKind, TAKE),
 
     VALUE(Reader, NOW), VALUE(Reader, NEXT), VALUE(Reader, AHEAD), VALUE(Reader, RECORDED), VALUE(Reader, OBSERVED),
 

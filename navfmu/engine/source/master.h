@@ -38,16 +38,20 @@ typedef struct {
 } Trigger;
 
 /* What a fault does to one signal while its trigger acts; see navfmu/engine/effect.py. */
-typedef enum { ADD, RAMP, SET, HOLD, NOISE } EffectKind;
+typedef enum {
+    ADD, RAMP, SET, HOLD, NOISE, SCALE, AFFINE, CLIP, QUANTISE, SPIKE, GARBAGE, DELAY, SLOW, SWAP,
+    TAKE
+} EffectKind;
 
 typedef struct {
     int32_t kind;
     int32_t slot;                 /* the signal it changes */
     int32_t trigger;
-    double amount;
+    double amount, other;
     uint64_t seed, stream, lane;  /* random numbers: key, and task word of the counter */
     int64_t multiplier, divisor;  /* number of a period: k * multiplier / divisor */
     int32_t memory, size;         /* what it remembers: place and length in Master.memory */
+    int32_t first_pair, pairs;    /* SWAP, TAKE: the signals that change, behind them those whose value they get */
     int32_t first_reach, reaches; /* the signals that can be different because of it */
     int32_t before;               /* these before it, now: place in Master.memory */
     int32_t first_echo, echoes;   /* later effects on them */
@@ -170,6 +174,7 @@ typedef struct {
     const int32_t *readers;       /* who sees each signal: a sum of Reader */
     double *memory;               /* of effects and echoes */
     double *without;              /* room: signals as they would be without an effect */
+    double *turned;               /* room: values that change places */
     Monitor *monitor;
     const Operation *operation;   /* of all programs */
     double *signal;               /* the values that left, then the true ones, then those ahead */
