@@ -98,8 +98,11 @@ def system(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     yield system
     logbook.clear()
     if not logbook.failed:
-        for bench in system.benches:
-            bench.close()
+        try:
+            for bench in system.benches:
+                bench.close()
+        except NavfmuError as error:
+            pytest.fail(str(error), pytrace=False)
 
 
 @pytest.hookimpl(wrapper=True)
