@@ -18,7 +18,12 @@ from navfmu.fmi.seconds import is_finite, short
 from navfmu.fmi.values import number_and_unit
 
 Error = Callable[..., NavfmuError]  # of a sentence and the place of an entry in the table
-TAKEN = ("variant", "case", "seed", "requirement")  # columns beside those of axes
+TAKEN = (  # columns beside those of axes, in all tables of a campaign
+    *("variant", "case", "seed", "requirement", "sentence", "verdict", "seen", "error", "not_finite", "idle", "notes"),
+    *("held", "percent", "worst", "worst_time", "first_violation", "missing", "recording"),
+    *("runs_held", "runs", "interval_low_percent", "interval_high_percent"),
+    *("axis", "unit", "holds_at", "violated_at", "tolerance", "runs_with_error"),
+)
 FINEST = 1e-9  # tolerance of a search, as a share of its range
 
 

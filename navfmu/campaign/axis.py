@@ -117,9 +117,9 @@ class Axis:
         return f"{short} {self.unit}" if self.unit else short
 
 
-def texts(axis: Axis, values: Sequence[Value]) -> list[str]:
-    """Values as one writes them: in as few digits as it takes to tell them apart."""
-    for digits in range(4, 18):
+def texts(axis: Axis, values: Sequence[Value], least: int = 4) -> list[str]:
+    """Values as one writes them: in as few digits as it takes to tell them apart, ``least`` or more."""
+    for digits in range(least, 18):
         found = [axis.text(value, digits) for value in values]
         if len(set(found)) == len(set(values)):
             break

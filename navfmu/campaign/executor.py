@@ -89,10 +89,9 @@ def _hands(workers: str, timeout: float | None) -> Iterator[Hand]:
 
 
 def _interrupted(kept: int, of: int, searching: Searching, folder: Path) -> str:
-    if not searching.sought:
-        return f"interrupted: {kept} of {of} runs are finished and kept in {folder}; the same command continues"
-    more = f"and {searching.seen} of searches " if searching.seen else ""
-    return f"interrupted: {kept} of {of} runs {more}are finished and kept in {folder}; the same command continues"
+    parts = [f"{kept} of {of} runs"] if of else []
+    parts += [f"{len(searching.seen)} runs of searches"] if searching.sought else []
+    return f"interrupted: {' and '.join(parts)} are finished and kept in {folder}; the same command continues"
 
 
 @contextlib.contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,7 @@ def judge(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> Fin
     )
 
 
+@cache
 def wilson(count: int, total: int) -> tuple[float, float]:
     """95 % confidence interval (Wilson) of a share, in percent."""
     if total == 0:

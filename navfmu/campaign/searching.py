@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from threading import Lock
 
 from navfmu.campaign.judged import Judged, judge_run
 from navfmu.campaign.runs import Answer, Run
@@ -20,7 +22,10 @@ class Searching:
     def __init__(self, sought: Sequence[Sought], folder: Path, retry_failed: bool, progress: Report | None) -> None:
         self.sought, self.folder, self.retry_failed, self.progress = sought, folder, retry_failed, progress
         self.mended: list[str] = []  # answers that were damaged, and so flown again
-        self.seen = 0  # runs
+        self.seen: set[str] = set()  # keys of runs
+        self._locks: defaultdict[str, Lock] = defaultdict(
+            Lock
+        )  # variants may be alike: no run is flown twice at a time
 
     def found(self, hand: Hand, jobs: int | None) -> list[Threshold]:
         """What all searches find, in their order."""
@@ -52,11 +57,13 @@ class Searching:
 
     def _judged(self, sought: Sought, run: Run, report: Callable[[int, int], None], hand: Hand) -> Judged:
         """The run, which is flown unless it is kept."""
-        answer = self._kept(run)
-        if answer is None or (self.retry_failed and answer.error is not None):
-            hand(run, self.folder, report)
-            answer = Answer.read(run, self.folder)
-        self.seen += 1
+        with self._locks[run.key]:
+            answer = self._kept(run)
+            again = self.retry_failed and run.key not in self.seen
+            if answer is None or (again and answer.error is not None):
+                hand(run, self.folder, report)
+                answer = Answer.read(run, self.folder)
+            self.seen.add(run.key)
         return judge_run(sought.campaign, run, answer, self.folder)
 
     def _kept(self, run: Run) -> Answer | None:

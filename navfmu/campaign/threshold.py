@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from navfmu.campaign.axis import texts
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.judged import Judged
 from navfmu.campaign.requirement import Requirement
@@ -50,9 +51,10 @@ class Threshold:
         axis, span = self.sought.search.axis, self.sought.search.span
         holds, violated = self.bracket.holds_at, self.bracket.violated_at
         if holds is not None and violated is not None:
-            return f"holds at {axis.name} = {axis.text(holds, 9)}, is violated at {axis.text(violated, 9)}"
+            one, other = texts(axis, [holds, violated], 6)
+            return f"holds at {axis.name} = {one}, is violated at {other}"
         what = "holds" if violated is None else "is violated"
-        ends = f"{axis.text(span.low, 9)} and at {axis.text(span.high, 9)}"
+        ends = " and at ".join(texts(axis, [span.low, span.high], 6))
         return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at"
 
     @property

@@ -210,7 +210,7 @@ def test_a_search_goes_on_where_it_was_interrupted_and_jobs_do_not_matter(tmp_pa
         flown.append(run.key)
 
     monkeypatch.setattr(executor, "fly", tired)
-    with pytest.raises(Interrupted, match=r"interrupted: 0 of 0 runs and 7 of searches are finished and kept"):
+    with pytest.raises(Interrupted, match=r"interrupted: 7 runs of searches are finished and kept in"):
         searched(file, tmp_path / "out", jobs=1)
     monkeypatch.setattr(executor, "fly", lambda run, *rest: fly(run, *rest) or flown.append(run.key))
     run_campaign(load_campaign(file), tmp_path / "out", 2, workers="thread")
@@ -218,6 +218,37 @@ def test_a_search_goes_on_where_it_was_interrupted_and_jobs_do_not_matter(tmp_pa
     assert contents(tmp_path / "out") == contents(tmp_path / "whole")
     monkeypatch.setattr(executor, "fly", lambda *_: pytest.fail("it was flown again"))
     searched(file, tmp_path / "out")
+
+
+def test_variants_that_are_alike_share_their_runs(tmp_path, monkeypatch):
+    """They are one run each, also where two searches ask for it at a time."""
+    import time
+
+    from navfmu.campaign import executor
+    from navfmu.ssp.writer import SystemSource
+
+    file, fly, flown = lag(tmp_path, "fault.push.value", 0.0, 50.0, 5.0), executor.fly, []
+    source = SystemSource("lag", fmus=systems.fmus()).component("lag", "lag.fmu")
+    source.variant("twin", parameters={})
+    source.pack(tmp_path / "lag.ssp")
+    file.write_text('variants = ["main", "twin"]\n' + file.read_text())
+    monkeypatch.setattr(
+        executor, "fly", lambda run, *rest: flown.append(run.key) or time.sleep(0.05) or fly(run, *rest)
+    )
+    one, other = run_campaign(load_campaign(file), tmp_path / "out", 2, workers="thread").thresholds
+    assert one.bracket == other.bracket and [probe.run.variant for probe in other.probes] == ["twin"] * 6
+    assert len(flown) == len(set(flown)) == 6
+
+
+def test_no_axis_takes_the_name_of_another_column(tmp_path):
+    """The value of the axis would stand where the other should, or the other way round."""
+    from navfmu.campaign.axes import TAKEN
+
+    searched(lag(tmp_path, "fault.push.value", 0.0, 8.0, 1.0, more='[[case]]\nname = "left"'), tmp_path / "out")
+    columns = set()
+    for name in ("runs", "verdicts", "thresholds"):
+        columns |= set(pandas.read_csv(tmp_path / "out" / f"{name}.csv").columns)
+    assert columns == {*TAKEN, "size"}
 
 
 def test_worker_processes_search_alike(tmp_path):
