@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -234,7 +234,7 @@ def _threshold_section(result: Page, outcome: Outcome) -> None:
         sought = threshold.sought
         place = sought.variant, sought.search.case.name, threshold.requirement.id, sought.search.axis.heading
         summary.setdefault(place, []).append(threshold)
-    headings = ["variant", "case", "requirement", "varied", "seeds", "with a bracket", "violated from", "holds up to"]
+    headings = ["variant", "case", "requirement", "varied", "seeds", "with a bracket", "violated at", "holds at"]
     result.table(headings, [[*place, *_over_seeds(found)] for place, found in summary.items()])
     inner, rows = Page(""), []
     for threshold in outcome.thresholds:
@@ -249,12 +249,16 @@ def _threshold_section(result: Page, outcome: Outcome) -> None:
 
 
 def _over_seeds(found: list[Threshold]) -> list[str]:
-    """How many seeds, how many of them with a bracket, the lowest value that violates, the highest that holds."""
-    violated = [t.bracket.violated_at for t in found if t.bracket.violated_at is not None]
-    holds = [t.bracket.holds_at for t in found if t.bracket.holds_at is not None]
+    """How many seeds, how many of them with a bracket, the values that violate, the values that hold."""
     both = sum(None not in (t.bracket.holds_at, t.bracket.violated_at) for t in found)
-    ends = f"{min(violated):.9g}" if violated else "-", f"{max(holds):.9g}" if holds else "-"
-    return [str(len(found)), str(both), *ends]
+    violated, holds = [t.bracket.violated_at for t in found], [t.bracket.holds_at for t in found]
+    return [str(len(found)), str(both), _range(violated), _range(holds)]
+
+
+def _range(values: Iterable[float | None]) -> str:
+    """From the least to the greatest of values, some of which may be missing."""
+    there = sorted(value for value in values if value is not None)
+    return " to ".join(f"{value:.9g}" for value in dict.fromkeys((*there[:1], *there[-1:]))) or "-"
 
 
 def _statistics_section(result: Page, found: list[Found]) -> None:
@@ -273,12 +277,12 @@ def _statistics_section(result: Page, found: list[Found]) -> None:
 def _case_section(result: Page, outcome: Outcome) -> None:
     """What each case does to the system."""
     rows = []
-    if not outcome.campaign.cases:
-        return
-    for case in outcome.campaign.cases:
+    searched = {search.case.name: search for search in outcome.campaign.searches}
+    for case in (*outcome.campaign.cases, *(search.case for search in searched.values())):
         values = ", ".join(f"{name} = {value}" for name, value in case.parameters.items())
         changed = [f"parameters: {values}"] if values else []
         changed += [] if case.step is None else [f"step: {case.step:g} s"]
+        changed += [searched[case.name].sentence] if case.name in searched else []
         if changed:
             rows.append([case.name, case.description, "", "", ", ".join(changed), ""])
         elif not case.faults:
@@ -286,7 +290,7 @@ def _case_section(result: Page, outcome: Outcome) -> None:
         rows += [[case.name, case.description, *faults.cells(fault.describe())] for fault in case.faults]
     result.heading("Cases")
     headings = ["case", "description", *faults.HEADINGS]
-    if not any(case.description for case in outcome.campaign.cases):
+    if not any(row[1] for row in rows):
         headings, rows = headings[:1] + headings[2:], [row[:1] + row[2:] for row in rows]
     result.table(headings, rows)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from navfmu.campaign.axis import Axis, Span
+from navfmu.campaign.axis import Axis, Span, texts
 from navfmu.campaign.case import Case
 
 
@@ -31,6 +31,12 @@ class Search:
     def requirement(self) -> str:
         """Its id."""
         return self.axis.goal.requirement
+
+    @property
+    def sentence(self) -> str:
+        """What is varied, in words."""
+        ends = " to ".join(texts(self.axis, [self.span.low, self.span.high]))
+        return f"searched: {self.axis.name} from {ends} for {self.requirement}"
 
     @property
     def span(self) -> Span:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -189,6 +190,28 @@ def test_a_search_in_every_point_of_other_axes(tmp_path):
     assert list(rows["onset"]) == [0.5, 2.5, 4.5] and "size" not in rows
     cases = {probe.run.case.name for threshold in outcome.thresholds for probe in threshold.probes}
     assert "pushed (onset=2.5, size=50)" in cases
+
+
+def test_the_report_has_the_range_over_the_seeds(tmp_path):
+    """The sensor's noise makes the threshold of each seed another one."""
+    (tmp_path / "bias.toml").write_text(
+        '[[fault]]\nid = "B"\ntarget = "sensor.reading.length"\ntype = "bias"\nvalue = 1\n'
+    )
+    text = f'system = "{systems.tracker()}"\nseeds = "1-4"\nstop = 2.0\n[[case]]\nname = "c"\nfaults = "bias.toml"\n'
+    text += '[[axis]]\nvary = "fault.B.value"\nlow = "-2 m"\nhigh = "9 m"\nsearch = "R"\ntolerance = "1 mm"\n'
+    text += '[[requirement]]\nid = "R"\nsignal = "estimator.solution.length"\nat_most = 5.0\n'
+    (tmp_path / "c.toml").write_text(text)
+    with pytest.raises(NavfmuError, match=r"'tolerance' is '1 mm', expected it in the unit of 'low' and 'high'"):
+        load_campaign(tmp_path / "c.toml")
+    (tmp_path / "c.toml").write_text(text.replace("1 mm", "0.001 m"))
+    outcome = searched(tmp_path / "c.toml", tmp_path / "out")
+    rows = pandas.read_csv(tmp_path / "out" / "thresholds.csv")
+    assert len(set(rows["holds_at"])) == 4
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", outcome.report.read_text())
+    place = cells.index("B.value (m)")
+    ranges = [f"{rows[name].min():.9g} to {rows[name].max():.9g}" for name in ("violated_at", "holds_at")]
+    assert cells[place + 1 : place + 5] == ["4", "4", *ranges]
+    assert "searched: B.value from -2 m to 9 m for R" in cells
 
 
 def contents(folder: Path) -> dict[str, bytes]:
