@@ -29,7 +29,6 @@ recorded. The engines compare, at each point, what left with what would have lef
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -38,6 +37,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.engine.clock import Clock, exact
+from navfmu.engine.philox import STREAM_BASE, stream_of
 from navfmu.faults.fault import Fault
 
 KINDS = (
@@ -46,7 +46,6 @@ KINDS = (
 )
 ADD, RAMP, SET, HOLD, NOISE, SCALE, AFFINE, CLIP, QUANTISE, SPIKE, GARBAGE, DELAY, SLOW, SWAP, TAKE = range(len(KINDS))
 NOW, NEXT, AHEAD, RECORDED, OBSERVED = 1, 2, 4, 8, 16  # who sees a signal, see enum Reader in source/master.h
-STREAM_BASE = 2**32  # streams of faults begin above every stream that an FMU's Integer parameter can name
 
 # One row of the fault table, laid out as struct Effect in source/master.h.
 EFFECT = np.dtype(
@@ -187,8 +186,8 @@ def _late(fault: Fault, clock: Clock) -> tuple[float, float, int]:
 
 
 def fault_stream(fault: Fault) -> int:
-    """The noise stream of a fault: its own parameter, or a number made from its id."""
-    return fault.parameters.get("stream", zlib.crc32(fault.id.encode()) & 0x7FFFFFFF)
+    """The random stream of a fault: its own parameter, or a number made from its id."""
+    return fault.parameters.get("stream", stream_of(fault.id))
 
 
 #: By kind, the parameter that is the length of its periods; without it each communication point begins one, or none.

@@ -26,7 +26,7 @@ from navfmu.engine.effect import (
     Key,
     clusters,
 )
-from navfmu.engine.trigger import Windows
+from navfmu.engine.trigger import Windows, begin
 from navfmu.faults.fault import Fault
 
 MEMORIES = (HOLD, DELAY, SLOW)  # kinds by which a value is there after the fault that made it
@@ -64,10 +64,26 @@ def idle(
         own = undisturbed.get(keys[0]) if len(found) == 1 else None
         looking = reduce(or_, (readers.get(key, 0) for key in keys))
         for place, effect in enumerate(found):
+            if _by_chance(effect.fault, lists[effect.trigger], clock.steps):
+                continue
             later = found[place + 1 :]
             reason = _idle(effect, later, lists, looking, clock, every, own, alone=len(keys) == 1)
             reasons.setdefault(effect.fault.id, []).append(reason)
     return {fault: found[0] for fault, found in reasons.items() if all(found)}
+
+
+def _by_chance(fault: Fault, windows: Windows, last: int) -> bool:
+    """Whether a fault that fails at random does not do so up to a communication point: nothing is wrong with that."""
+    return "mttf" in fault.parameters and begin(windows) > last
+
+
+def spared(faults: Sequence[Fault], lists: Sequence[Windows], clock: Clock) -> list[str]:
+    """A sentence for each fault that fails at random and does not do so in the run."""
+    return [
+        f"fault '{fault.id}' does not occur: it fails at random, and not before the end of the run"
+        for fault, windows in zip(faults, lists, strict=False)
+        if _by_chance(fault, windows, clock.steps)
+    ]
 
 
 def _idle(
@@ -85,9 +101,9 @@ def _idle(
     ``alone``: no other variable gets its value.
     """
     windows = [window for window in lists[effect.trigger] if window.first <= clock.steps]
-    name, begin = f"{effect.component}.{effect.variable}", f"starts at {lists[effect.trigger][0].start:.9g} s"
+    name, starts = f"{effect.component}.{effect.variable}", f"starts at {lists[effect.trigger][0].start:.9g} s"
     if not windows:
-        return f"{begin}, the run ends at {clock.time(clock.steps):.9g} s"
+        return f"{starts}, the run ends at {clock.time(clock.steps):.9g} s"
     if not readers:
         return f"acts on '{name}', which goes nowhere: it is neither connected nor recorded nor asked for"
     first = windows[0].first
@@ -96,7 +112,7 @@ def _idle(
     still = effect.kind == RAMP and clock.time(clock.steps) <= windows[0].start
     looking = NOW | OBSERVED | (RECORDED if first % every == 0 else 0)
     if first == clock.steps and (still or not readers & looking):
-        return f"{begin}, the last communication point"
+        return f"{starts}, the last communication point"
     numbers, nothing = NOTHING.get(effect.kind, (None, ""))
     if numbers == (effect.amount, effect.other):
         return nothing
@@ -145,8 +161,8 @@ def unseen(
     )
     return {
         fault.id: nothing
-        if begin <= k
+        if first <= k
         else f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
-        for fault, begin in zip(faults, begins, strict=True)
-        if fault and fault.id not in acted
+        for fault, first in zip(faults, begins, strict=True)
+        if fault and fault.id not in acted and not (first > k and "mttf" in fault.parameters)
     }

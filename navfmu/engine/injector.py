@@ -32,26 +32,8 @@ from navfmu.engine.effect import (
     SWAP,
     TAKE,
 )
+from navfmu.engine.philox import normal, uniform, words
 from navfmu.engine.trigger import Moment, Trigger
-
-
-def words(seed: int, stream: int, lane: int, j: int) -> list[int]:
-    """The first two of the four words of block 0 of number j of a fault's stream, from NumPy's Philox4x64-10."""
-    counter = (j << 64) | (lane << 128)  # words: block 0, j, lane, 0
-    generator = np.random.Philox(key=(stream << 64) | seed, counter=(counter - 1) % 2**256)  # it counts before it draws
-    return [int(word) for word in generator.random_raw(2)]
-
-
-def uniform(word: int) -> float:
-    """A number between 0 and 1, from the upper 53 bits of a word."""
-    return ((word >> 11) + 0.5) * 2.0**-53
-
-
-def normal(seed: int, stream: int, lane: int, j: int) -> float:
-    """Normal number j of a fault's stream, by Box-Muller."""
-    first, second = map(uniform, words(seed, stream, lane, j))
-    return math.sqrt(-2.0 * math.log(first)) * math.cos(6.283185307179586 * second)
-
 
 State = tuple[list[Any], list[int], list[Any]]
 

@@ -35,7 +35,7 @@ import numpy as np
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
 from navfmu.engine.effect import NEXT, OBSERVED, RECORDED, TAKE, Effect, tables
-from navfmu.engine.idle import idle
+from navfmu.engine.idle import idle, spared
 from navfmu.engine.initial import initial_moves
 from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
@@ -43,7 +43,7 @@ from navfmu.engine.making import effects_of
 from navfmu.engine.monitor import Monitor
 from navfmu.engine.monitor import tables as monitor_tables
 from navfmu.engine.order import sort
-from navfmu.engine.trigger import ALWAYS, windows
+from navfmu.engine.trigger import ALWAYS, begin, lists
 from navfmu.engine.trigger import tables as trigger_tables
 from navfmu.errors import NavfmuError, nearest
 from navfmu.expressions.program import Source
@@ -224,13 +224,12 @@ def make_plan(
         readers[key] = readers.get(key, 0) | (0 if source.true else OBSERVED)
     for key in driven:
         readers[key] = readers.get(key, 0) | NEXT
-    lists = [windows(fault, clock) for fault in faults]
-    lists += [ALWAYS] if taps else []
-    triggers, window_table = trigger_tables(lists)
+    windows = [*lists(faults, clock, seed), *([ALWAYS] if taps else [])]
+    triggers, window_table = trigger_tables(windows)
     effect_tables = tables(ordered, slots, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
-    useless = idle(ordered, lists, readers, clock, every, undisturbed)
+    useless = idle(ordered, windows, readers, clock, every, undisturbed)
 
     faulted = {key for effect in ordered for key in effect.keys}
 
@@ -266,7 +265,7 @@ def make_plan(
         readers=np.array([readers.get(key, 0) for key in signals], np.int32),
         triggers=triggers,
         windows=window_table,
-        begins=tuple(lists[effect.trigger][0].first for effect in ordered),
+        begins=tuple(begin(windows[effect.trigger]) for effect in ordered),
         faults=tuple(effect.fault for effect in ordered),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         questions=tuple(monitors),
@@ -275,7 +274,7 @@ def make_plan(
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
         idle=useless,
-        notes=(*loops, *_notes(cut, algorithm, useless), *_unrecordable(system)),
+        notes=(*loops, *_notes(cut, algorithm, useless), *spared(faults, windows, clock), *_unrecordable(system)),
     )
 
 

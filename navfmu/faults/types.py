@@ -170,4 +170,11 @@ TYPES: dict[str, FaultType] = {
     )
 }  # fmt: skip
 
-TIMING: tuple[tuple[Parameter, tuple[str, ...]], ...] = ()  # when it acts: each, and what it needs beside it
+TIMING: tuple[tuple[Parameter, tuple[str, ...]], ...] = (  # when it acts: each, and what it needs beside it
+    (Parameter("on", "time", "how long it acts at a time", required=False), ("off",)),
+    (Parameter("off", "time", "how long it pauses in between", required=False), ("on",)),
+    (Parameter("mttf", "time", "mean time to a failure at random, and from its end to the next", required=False), ()),
+    (Parameter("mttr", "time", "mean time to its end; default: it stays", required=False), ("mttf",)),
+    (Parameter("shape", "positive", "of a Weibull distribution; default 1: exponential", required=False), ("mttf",)),
+    (Parameter("cause", "text", "faults of one cause fail at the same random times", required=False), ("mttf",)),
+)

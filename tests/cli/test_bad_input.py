@@ -43,7 +43,7 @@ FAULTS = {
     ),
     "a parameter that cannot change": (
         '[[fault]]\nid = "F"\ntarget = "lag.tau"\ntype = "parameter"\nvalue = 1.0\n',
-        "only a tunable one can change",
+        "acts on tunable parameters, but 'lag.tau' is a fixed parameter",
     ),
 }
 

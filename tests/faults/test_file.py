@@ -104,6 +104,11 @@ def test_the_documented_examples_are_fault_files():
     text = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
     faults = parse_faults(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1], "docs/faults.md")
     assert [(fault.id, fault.start) for fault in faults] == [("gps_lost", 300), ("gyro_bias", 600), ("icing", 900)]
+    blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    assert [f.id for block in blocks[1:] for f in parse_faults(block, "docs/faults.md")] == [
+        "loose_contact",
+        "gps_outage",
+    ]
     made: dict = {}
     exec(re.search(r"```python\n(.*?)```", text, re.DOTALL)[1].partition("flight =")[0], made)
     assert made["Fault"] is navfmu.Fault is Fault

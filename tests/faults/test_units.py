@@ -4,8 +4,8 @@ import pytest
 
 from navfmu.engine import compiled
 from navfmu.engine.component import Component
-from navfmu.engine.effect import STREAM_BASE, fault_stream
-from navfmu.engine.injector import normal
+from navfmu.engine.effect import fault_stream
+from navfmu.engine.philox import STREAM_BASE, normal
 from navfmu.engine.plan import make_plan
 from navfmu.errors import NavfmuError
 from navfmu.faults import Fault, parse_fault

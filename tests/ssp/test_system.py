@@ -125,7 +125,7 @@ def test_a_long_run_is_recorded_more_rarely(tracker):
         ({"seed": -1}, "the seed is -1, expected a whole number"),
         ({"faults": "nothing.toml"}, "nothing.toml"),
         ({"faults": [Fault("F", "sensor.reading.valid", "bias", parameters={"value": 1.0})]}, "acts on Real outputs"),
-        ({"faults": [Fault("F", "lag.u", "input", parameters={"value": 1.0})]}, "is connected"),
+        ({"faults": [Fault("F", "lag.u", "input", parameters={"value": 1.0})]}, "is a connected input"),
     ],
 )
 def test_a_wrong_argument_is_answered_by_a_sentence(tracker, arguments, sentence):
