@@ -30,10 +30,11 @@ def check_target(system: System, target: str) -> None:
 def _usual(system: System, target: str) -> str:
     found = _variables(system, target)
     component, rest = names.split(target)
-    if rest in names.bundles(system.descriptions[component]):
-        return "dropout"
     what, variability = found[0].causality, found[0].variability
     source = {link.target: link.source for link in system.links}.get(f"{component}.{found[0].name}")
+    members = names.group(system.descriptions[component].by_name, rest)
+    if {".valid", ".sequence"} <= members.keys() and (what == "output" or source is not None):
+        return "dropout"
     if what == "input" and source is None:
         return "input"
     if what == "parameter" and variability == "tunable":

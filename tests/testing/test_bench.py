@@ -46,6 +46,22 @@ def test_a_bundle_drops_out(system):
     assert not r["sensor.reading.valid"][away].any() and r["sensor.reading.valid"][~away][1:].all()
 
 
+def test_one_receiver_of_a_bundle_loses_it(system):
+    with system("tracker.ssp") as s:
+        s.fault("estimator.reading", at=2, duration=1)
+        r = s.run(5)
+    assert r["sensor.reading.valid"][1:].all()
+    away = (r.index >= 2.15) & (r.index < 2.95)
+    assert r["estimator.solution.length"][away].nunique() == 1 and r["estimator.solution.length"].nunique() > 30
+
+
+def test_one_receiver_of_a_signal_gets_another(system):
+    with system("tracker.ssp") as s:
+        s.fault("lag.u", "scale", factor=0)
+        r = s.run(5)
+    assert (r["lag.y"] == 0.0).all() and r["truth.y"].abs().max() > 5
+
+
 def test_types_of_a_fault_file_and_its_entries(system):
     with system("tracker.ssp") as s:
         s.fault("sensor.reading.length", "bias", at=2, value="1 ft", id="B", fmea="F1")
@@ -125,7 +141,7 @@ def flown(system):
         return s.run(1)
 
 
-@pytest.mark.seeds([8])
+@pytest.mark.seeds(8)
 def test_marks_reach_fixtures(flown):
     assert flown.attrs["provenance"]["seed"] == 8
 
@@ -336,7 +352,7 @@ SENTENCES = {
 
 def test_what_passes(folder):
     ended = folder.pytest(GOOD, "-rP", cwd=folder.path.parent)
-    count = GOOD.count("\ndef test_") + 2 + 7
+    count = GOOD.count("\ndef test_") + 2 + 7  # three seeds, and eight settings
     assert ended.code == 0 and ended.counts == {"passed": count}, ended.out
     assert re.findall(r"^SEED (\d)$", ended.out, re.M) == ["2", "3", "7"]
     every = {(s, a, h) for s in "45" for a in ("jacobi", "gauss_seidel") for h in ("0.1", "0.2")}
