@@ -10,6 +10,7 @@ from navfmu.campaign.seeds import seeds_text
 from navfmu.terminal.console import console, one_line, say
 from navfmu.terminal.table import Column, Kind, Table
 
+ROWS = 60  # of the matrix, each for a variant in a case; beyond it the cases of the file have one each
 SEEN = 12  # violated cells that are told in words; the report tells all
 
 
@@ -54,6 +55,9 @@ def _matrix(out: Console, outcome: Outcome) -> None:
     cells = {(cell.variant, cell.case, cell.requirement.id): cell for cell in outcome.cells}
     columns = [Column("variant", Kind.NAME), Column("case", Kind.NAME)]
     columns += [Column(requirement.id, Kind.WORD) for requirement in campaign.requirements]
+    if len(campaign.systems) * len(campaign.cases) > ROWS:
+        _matrix_as_written(out, outcome, columns)
+        return
     rows = [
         [variant, case.name, *(_verdict(cells.get((variant, case.name, r.id))) for r in campaign.requirements)]
         for variant in campaign.systems
@@ -62,11 +66,35 @@ def _matrix(out: Console, outcome: Outcome) -> None:
     out.print(Table(columns, rows, "verdicts (runs that hold / runs)"))
 
 
+def _matrix_as_written(out: Console, outcome: Outcome, columns: list[Column]) -> None:
+    """One row for each case of the file, where it stands for many."""
+    campaign = outcome.campaign
+    written = {case.name: case.written for case in campaign.cases}
+    cells: dict[tuple[str, str, str], list[bool]] = {}
+    for cell in outcome.cells:
+        cells.setdefault((cell.variant, written[cell.case], cell.requirement.id), []).append(cell.passed)
+    rows = [
+        [variant, name, *(_verdicts(cells.get((variant, name, r.id), [])) for r in campaign.requirements)]
+        for variant in campaign.systems
+        for name in dict.fromkeys(written.values())
+    ]
+    out.print(Table(columns, rows, "verdicts (cases that hold / cases that the one in the file stands for)"))
+
+
 def _verdict(cell: Cell | None) -> Text:
-    if cell is None:
+    return _verdict_of(None, 0, 0) if cell is None else _verdict_of(cell.passed, cell.held, cell.total)
+
+
+def _verdicts(passed: list[bool]) -> Text:
+    return _verdict_of(all(passed) if passed else None, sum(passed), len(passed))
+
+
+def _verdict_of(passed: bool | None, held: int, total: int) -> Text:
+    """Also as a word, for those who see no colours."""
+    if passed is None:
         return Text("not asked", style="dim")
-    verdict = ("holds", "green") if cell.passed else ("VIOLATED", "red")
-    return Text.assemble(verdict, f" {cell.held}/{cell.total}")
+    verdict = ("holds", "green") if passed else ("VIOLATED", "red")
+    return Text.assemble(verdict, f" {held}/{total}")
 
 
 def _thresholds(out: Console, outcome: Outcome) -> None:

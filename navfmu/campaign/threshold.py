@@ -51,10 +51,10 @@ class Threshold:
         axis, span = self.sought.search.axis, self.sought.search.span
         holds, violated = self.bracket.holds_at, self.bracket.violated_at
         if holds is not None and violated is not None:
-            one, other = texts(axis, [holds, violated], 6)
+            one, other = texts(axis, [holds, violated], 9)
             return f"holds at {axis.name} = {one}, is violated at {other}"
         what = "holds" if violated is None else "is violated"
-        ends = " and at ".join(texts(axis, [span.low, span.high], 6))
+        ends = " and at ".join(texts(axis, [span.low, span.high], 9))
         return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at"
 
     @property

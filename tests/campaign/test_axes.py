@@ -242,6 +242,29 @@ def test_one_changed_value_flies_its_own_runs_only(tmp_path, monkeypatch):
     assert sorted(flown) == ["both (D.rate=0.25)", "drift (D.rate=0.25)"]
 
 
+@pytest.mark.parametrize("rows", [32, 31])
+def test_a_matrix_of_many_cases_has_a_row_for_each_case_of_the_file(tmp_path, monkeypatch, capsys, rows):
+    from navfmu.campaign.show import show
+
+    monkeypatch.setattr("navfmu.campaign.show.ROWS", rows)
+    monkeypatch.setattr("navfmu.campaign.report.PICTURED", 1)
+    text = 'variants = ["main", "slow"]\n' + CASES + GRID
+    text += (
+        '\n[[requirement]]\nid = "R"\nsignal = "estimator.solution.length"\nat_most = 1.4\ncases = ["drift", "both"]\n'
+    )
+    outcome = run_campaign(loaded(tmp_path, text), tmp_path / "out", workers="thread")
+    show(outcome)
+    printed = capsys.readouterr().out
+    verdicts = pandas.read_csv(tmp_path / "out" / "verdicts.csv")
+    verdicts["written"] = verdicts["case"].str.split(" ").str[0]
+    groups = {k: (v["verdict"] == "holds").agg(["sum", "count"]) for k, v in verdicts.groupby(["variant", "written"])}
+    assert len(groups) == 4 and len({tuple(counts) for counts in groups.values()}) > 1
+    for (variant, name), (held, count) in groups.items():
+        row = [variant, name, "holds" if held == count else "VIOLATED", f"{held}/{count}"]
+        assert (row in [line.split() for line in printed.splitlines()]) == (rows < 32), row
+    assert (["main", "nominal", "not", "asked"] in [line.split() for line in printed.splitlines()]) == (rows < 32)
+
+
 @pytest.mark.slow
 def test_the_documented_example_runs(tmp_path, tmp_path_factory):
     from system_ssp.backup_navigator.system import COMPONENTS, source
