@@ -8,7 +8,7 @@ from navfmu.campaign.definition import Campaign
 from navfmu.campaign.runs import Run
 from navfmu.system.experiment import Experiment
 
-SAME = "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
+SAME = "the seed changes nothing: no component takes it and no fault is random; all seeds are one run"
 
 
 def remarks(campaign: Campaign, runs: list[Run]) -> list[tuple[str, ...]]:
@@ -26,7 +26,7 @@ def remarks(campaign: Campaign, runs: list[Run]) -> list[tuple[str, ...]]:
 
 def seeds_matter(experiment: Experiment, seeds: tuple[int, ...]) -> bool:
     """Whether runs with these seeds can differ."""
-    if len(seeds) < 2 or any(fault.type == "noise" for fault in experiment.faults):
+    if len(seeds) < 2 or any(fault.is_random for fault in experiment.faults):
         return True
     first, second = (replace(experiment, seed=seed).start_values() for seed in seeds[:2])
     return first != second

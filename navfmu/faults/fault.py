@@ -125,6 +125,11 @@ class Fault:
         """What it acts on, one or several."""
         return (self.target,) if isinstance(self.target, str) else self.target
 
+    @property
+    def is_random(self) -> bool:
+        """Whether it depends on the seed of the run: what it does, or when."""
+        return bool({TYPES[self.type].draws, "mttf"} & set(self.parameters))
+
     def describe(self) -> dict[str, Any]:
         """The fault as plain data; what is not limited (its duration) or empty is left out."""
         target = self.target if isinstance(self.target, str) else list(self.target)

@@ -30,6 +30,7 @@ class FaultType:
     parameters: tuple[Parameter, ...]
     effect: str  # in words
     bundles: str = ""  # "members": a bundle stands for all its members; "only": nothing else does; "": none
+    draws: str = ""  # the parameter with which it takes numbers at random
 
     @property
     def required(self) -> tuple[str, ...]:
@@ -68,9 +69,14 @@ STREAM = Parameter("stream", "stream", "number of the random stream; default: ma
 
 
 def _signal(
-    name: str, effect: str, *parameters: Parameter, values: tuple[str, ...] = ("Real",), bundles: str = ""
+    name: str,
+    effect: str,
+    *parameters: Parameter,
+    values: tuple[str, ...] = ("Real",),
+    bundles: str = "",
+    draws: str = "",
 ) -> FaultType:
-    return FaultType(name, SIGNALS, values, parameters, effect, bundles)
+    return FaultType(name, SIGNALS, values, parameters, effect, bundles, draws)
 
 
 TYPES: dict[str, FaultType] = {
@@ -112,6 +118,7 @@ TYPES: dict[str, FaultType] = {
             STREAM,
             values=ANY,
             bundles="members",
+            draws="jitter",
         ),
         _signal(
             "slow",
@@ -127,6 +134,7 @@ TYPES: dict[str, FaultType] = {
             Parameter("sigma", "spread", "standard deviation"),
             Parameter("period", "time", "time between two numbers"),
             STREAM,
+            draws="sigma",
         ),
         _signal(
             "spike",
@@ -141,6 +149,7 @@ TYPES: dict[str, FaultType] = {
             Parameter("high", "value", "greatest number"),
             Parameter("period", "time", "time between two numbers"),
             STREAM,
+            draws="period",
         ),
         _signal(
             "nan",

@@ -14,8 +14,9 @@ from navfmu.errors import NavfmuError
 from tests.components import systems
 
 REQUIREMENT = '\n[[requirement]]\nid = "R"\nsignal = "{signal}"\nat_most = 100.0\n'
-SEEDS = "the seed changes nothing: no component takes it and no fault makes noise; all seeds are one run"
-NOISE = '[[fault]]\nid = "n"\ntarget = "m0.y"\ntype = "noise"\nsigma = 0.1\nperiod = 0.1\n'
+SEEDS = "the seed changes nothing: no component takes it and no fault is random; all seeds are one run"
+NOISE = 'type = "noise"\nsigma = 0.1\nperiod = 0.1\n'
+FAULT = '[[fault]]\nid = "n"\ntarget = "m0.y"\n'
 
 
 def flown(folder: Path, system: Path, head: str = "", more: str = "", signal: str = "m0.y") -> Outcome:
@@ -26,7 +27,7 @@ def flown(folder: Path, system: Path, head: str = "", more: str = "", signal: st
 
 def test_seeds_that_change_nothing_are_said(tmp_path):
     """Twenty times the same run once held "20/20" without a word."""
-    (tmp_path / "n.toml").write_text(NOISE)
+    (tmp_path / "n.toml").write_text(FAULT + NOISE)
     cases = '\n[[case]]\nname = "quiet"\n\n[[case]]\nname = "noisy"\nfaults = "n.toml"\n'
     outcome = flown(tmp_path, systems.ring(), 'seeds = "1-3"\n', cases)
     assert outcome.passed and outcome.remarks == {SEEDS: 3}
@@ -38,6 +39,27 @@ def test_seeds_that_change_nothing_are_said(tmp_path):
     assert noisy.interval == wilson(3, 3)
     assert "held in 3 of 3 runs" in quiet.sentence and "all are one run, and the interval" in quiet.sentence
     assert "one run" not in noisy.sentence
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (NOISE, 0),
+        ('type = "garbage"\nlow = 0.0\nhigh = 1.0\nperiod = 0.1\n', 0),
+        ('type = "delay"\ndelay = 0.1\njitter = 0.3\n', 0),
+        ('type = "bias"\nvalue = 1.0\nmttf = 0.1\n', 0),
+        ('type = "delay"\ndelay = 0.1\nperiod = 0.3\n', 2),
+        ('type = "bias"\nvalue = 1.0\non = 0.1\noff = 0.1\n', 2),
+    ],
+)
+def test_seeds_of_random_faults_are_not_talked_down_and_no_others_are_talked_up(tmp_path, fault, said):
+    """What is said is what the recordings show."""
+    (tmp_path / "n.toml").write_text(FAULT + fault)
+    head = 'seeds = "1-2"\n[parameters]\nm0.y0 = 0.0\n'
+    outcome = flown(tmp_path, systems.ring(), head, '\n[[case]]\nname = "c"\nfaults = "n.toml"\n')
+    assert outcome.remarks.get(SEEDS, 0) == said
+    first, second = (pandas.read_parquet(judged.run.recording(tmp_path / "out")) for judged in outcome.runs)
+    assert first.equals(second) == bool(said)
 
 
 @pytest.mark.parametrize(("seeds", "own", "said"), [("1-2", "", 0), ("1", "", 0), ("1-2", '"sensor.seed" = 3\n', 2)])
