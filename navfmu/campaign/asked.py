@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmi.names import split
+from navfmu.expressions.meaning import compile_expression
+from navfmu.expressions.program import Program
 from navfmu.fmi.seconds import seconds
 from navfmu.fmi.values import quantity
 from navfmu.system.system import System
@@ -24,8 +25,12 @@ def requirement_of(
         for number, name in enumerate(getattr(entry, key) or ()):
             if name not in known:
                 raise error(f"'{key}': there is no '{name}' in this campaign{nearest(name, known)}", key, number)
-    unit, bounds = _bounds(entry, {name: systems[name] for name in entry.variants or systems}, error)
-    if bounds == {"at_most": None, "at_least": None}:
+    if (entry.signal is None) == (entry.events is None):
+        raise error("expected either 'signal' or 'events'", "id" if entry.signal is None else "events")
+    asked = {name: systems[name] for name in entry.variants or systems}
+    program = _program(entry, asked, error)
+    bounds = _bounds(entry, program, next(iter(asked.values())), error)
+    if not program.boolean and bounds == {"at_most": None, "at_least": None}:
         raise error("this requirement has neither 'at_most' nor 'at_least'", "id")
     if None not in bounds.values() and bounds["at_least"] > bounds["at_most"]:
         raise error("'at_least' is above 'at_most': nothing can hold this requirement", "at_least")
@@ -35,18 +40,30 @@ def requirement_of(
         raise error("'runs' goes with 'percent', not with 'quantile', which is a share of the runs itself", "runs")
     if entry.quantile is not None and entry.expect == "violated":
         raise error("'expect' = 'violated' goes with 'percent', not with 'quantile'", "expect")
+    if entry.quantile is not None and (entry.when or entry.tolerance or entry.events):
+        key = "when" if entry.when else "tolerance" if entry.tolerance else "events"
+        raise error(f"'{key}' is asked within a run, and 'quantile' of all runs together", key)
+    if entry.when:
+        _compiled(entry.when, asked, True, "when", error)
+    tolerance = _seconds(entry.tolerance, "tolerance", error)
+    if not 0 <= tolerance < math.inf:
+        raise error(f"'tolerance' is {entry.tolerance!r}, expected a time in s, 0 or more", "tolerance")
     begin, end = _window(entry, stop, error)
     return Requirement(
         id=entry.id,
-        signal=entry.signal,
+        signal=entry.signal if entry.events is None else entry.events,
         most=bounds["at_most"],
         least=bounds["at_least"],
-        unit=unit,
+        unit="" if entry.events or program.unit is None else program.unit.name,
         percent=None if entry.quantile is not None else 100.0 if entry.percent is None else entry.percent,
         quantile=entry.quantile,
         runs=entry.runs,
         start=begin,
         end=end,
+        program=program,
+        when=entry.when,
+        tolerance=tolerance,
+        events=entry.events is not None,
         expect_violated=entry.expect == "violated",
         severity=entry.severity,
         description=entry.description,
@@ -55,48 +72,85 @@ def requirement_of(
     )
 
 
-def _bounds(
-    entry: RequirementEntry, systems: Mapping[str, System], error: Error
-) -> tuple[str, dict[str, float | None]]:
-    """The signal's unit, and the bounds in it: the same in every variant."""
-    found: dict[str, str] = {}
-    for variant, system in systems.items():
-        try:
-            variable = system.variable(entry.signal.removesuffix("@true"))
-        except NavfmuError as problem:
-            raise error(f"variant '{variant}': {problem}", "signal") from None
-        if variable.causality != "output" or variable.type == "String":
-            kind = f"{variable.causality} of type {variable.type}"
-            raise error(f"variant '{variant}': '{entry.signal}' is {kind}, expected an output", "signal")
-        found[variant] = variable.unit or ""
+def _program(entry: RequirementEntry, systems: Mapping[str, System], error: Error) -> Program:
+    """The program of what is asked: the same unit in every variant."""
+    if entry.events is not None:
+        return next(iter(_compiled(entry.events, systems, True, "events", error).values()))
+    found = _compiled(str(entry.signal), systems, None, "signal", error)
     first, *others = found
     for other in others:
-        if found[other] != found[first]:
-            units = f"{found[other] or 'no unit'} in variant '{other}' and {found[first] or 'no unit'} in '{first}'"
-            raise error(f"'{entry.signal}' has {units}: one bound cannot hold both", "signal")
-    description = system.fmus[split(entry.signal)[0]].description
+        a, b = (found[name].unit.name if found[name].unit else "no unit" for name in (first, other))
+        if a != b:
+            raise error(
+                f"'{entry.signal}' has {b} in variant '{other}' and {a} in '{first}': one bound cannot hold both",
+                "signal",
+            )
+    return found[first]
+
+
+def _compiled(
+    text: str, systems: Mapping[str, System], boolean: bool | None, key: str, error: Error
+) -> dict[str, Program]:
+    """The program of an expression in each variant."""
+    found = {}
+    for variant, system in systems.items():
+        try:
+            about = {name: fmu.description for name, fmu in system.fmus.items()}
+            found[variant] = compile_expression(text, about, boolean=boolean)
+        except NavfmuError as problem:
+            raise error(f"variant '{variant}': {problem}", key) from None
+    return found
+
+
+def _bounds(entry: RequirementEntry, program: Program, system: System, error: Error) -> dict[str, float | None]:
+    """The bounds, in the unit of the program."""
+    if entry.events is not None:
+        if entry.at_least is not None:
+            raise error("of events there is an 'at_most' only", "at_least")
+        count = 0 if entry.at_most is None else entry.at_most
+        if isinstance(count, str) or count != int(count) or count < 0:
+            raise error(f"'at_most' is {count!r}, expected a number of events: 0, 1, 2 ...", "at_most")
+        return {"at_most": float(count), "at_least": None}
     bounds: dict[str, float | None] = {}
     for key in ("at_most", "at_least"):
         value = getattr(entry, key)
         try:
-            number = None if value is None else float(quantity(description, variable, value, f"'{key}' = {value}"))
+            number = None if value is None else bound(program, system, value, f"'{key}' = {value}")
         except NavfmuError as problem:
             raise error(str(problem), key) from None
         if number is not None and not math.isfinite(number):
             raise error(f"'{key}' is {value}, expected a finite number", key)
         bounds[key] = number
-    return found[first], bounds
+    return bounds
+
+
+def bound(program: Program, system: System, value: float | str, what: str) -> float:
+    """A bound on the value of a program, in its unit: a number, or a text such as "0.5 nmi"."""
+    (source, *more) = program.sources or (None,)
+    if not more and source is not None and str(source) == program.text.strip().strip("'"):  # nothing but a signal
+        description = system.fmus[source.signal.component].description
+        return float(quantity(description, source.signal.variable, value, what))
+    if not isinstance(value, str):
+        return float(value)
+    constant = compile_expression(value, {n: f.description for n, f in system.fmus.items()}, boolean=False)
+    if constant.sources:
+        raise NavfmuError(f"{what}: expected a number, with a unit or without")
+    if None not in (program.unit, constant.unit) and not constant.unit.agrees(program.unit):  # type: ignore[union-attr]
+        raise NavfmuError(f"{what}: '{program.text}' is in {program.unit.name}")  # type: ignore[union-attr]
+    return float(constant.value([]))
+
+
+def _seconds(value: float | str, key: str, error: Error) -> float:
+    try:
+        return seconds(value, f"'{key}'")
+    except NavfmuError as problem:
+        raise error(str(problem), key) from None
 
 
 def _window(entry: RequirementEntry, stop: float, error: Error) -> tuple[float, float]:
     """From when and to when it is asked (s); what is left of it in a run is not empty."""
-    times = {}
-    for key, value in (("from", entry.begin), ("to", math.inf if entry.end is None else entry.end)):
-        try:
-            times[key] = seconds(value, f"'{key}'")
-        except NavfmuError as problem:
-            raise error(str(problem), key) from None
-    begin, end = times["from"], times["to"]
+    begin = _seconds(entry.begin, "from", error)
+    end = math.inf if entry.end is None else _seconds(entry.end, "to", error)
     if not 0 <= begin < min(end, stop):
         raise error(f"'from' is {begin} s, expected a time from 0 to before {min(end, stop):g} s", "from")
     return begin, end

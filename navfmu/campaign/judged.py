@@ -11,6 +11,7 @@ import numpy as np
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.requirement import Finding, Requirement, judge
 from navfmu.campaign.runs import Answer, Run
+from navfmu.engine.monitor import Observed
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,10 @@ def read_series(file: Path, signals: Sequence[str]) -> dict[str, np.ndarray]:
     return {name: table[name].to_numpy() for name in names}
 
 
-def judge_run(campaign: Campaign, run: Run, answer: Answer, folder: Path) -> Judged:
-    """Judge the recording of a run, which lies in the campaign's folder."""
+def judge_run(campaign: Campaign, run: Run, answer: Answer) -> Judged:
+    """Judge a run by what was seen in it."""
     if answer.error is not None:
         return Judged(run, answer, {})
-    asked = [r for r in campaign.requirements if r.applies(run.variant, run.case.written)]
-    series = read_series(run.recording(folder), [r.signal for r in asked])
-    findings = {r.id: judge(r, run.experiment.points, series[r.signal]) for r in asked}
-    return Judged(run, answer, {name: finding for name, finding in findings.items() if finding is not None})
+    asked = [r for r in campaign.requirements if r.id in answer.observed]
+    found = {r.id: judge(r, Observed.restored(answer.observed[r.id])) for r in asked}
+    return Judged(run, answer, {name: finding for name, finding in found.items() if finding is not None})

@@ -141,7 +141,7 @@ def evaluate(
     thresholds: Sequence[Threshold] = (),
 ) -> Outcome:
     """Judge the kept recordings; requirements may have changed since they were made."""
-    judged = remarked(campaign, [judge_run(campaign, run, answers[run.key], folder) for run in runs])
+    judged = remarked(campaign, [judge_run(campaign, run, answers[run.key]) for run in runs])
     found = [replace(one, probes=tuple(remarked(campaign, list(one.probes)))) for one in thresholds]
     groups, cells = grouped(judged), []
     for variant in campaign.systems:
@@ -230,7 +230,7 @@ def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
 def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:
     """A quantile over the runs at every time."""
     good = [j for j in group if j.error is None]
-    rows = [read_series(j.run.recording(folder), [requirement.signal]) for j in good]
+    rows = [read_series(j.run.recording(folder), requirement.signals) for j in good]
     if not rows:
         sentence = "every run ended with an error"
         return Cell(requirement, variant, case.name, False, 0, len(group), sentence, None, _distinct(group))
@@ -238,7 +238,7 @@ def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: li
     window = requirement.window(points)
     values = np.full((len(rows), len(points)), np.nan)  # a run that ended early is outside from then on
     for number, row in enumerate(rows):
-        values[number, : len(row["time"])] = row[requirement.signal]
+        values[number, : len(row["time"])] = requirement.values(row)
     found = judge_quantile(requirement, points[window], values[:, window])
     passed = found.passed and len(good) == len(group) and not any(j.answer.idle for j in group)
     early = sum(j.findings[requirement.id].missing > 0 for j in good)

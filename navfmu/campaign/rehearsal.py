@@ -95,8 +95,10 @@ class Rehearsal:
         return "case", number, next(k for k in ("faults", "each", "pairs") if getattr(entry, k) is not None)
 
     def windows(self, period: float) -> None:
-        """Refuse a requirement that no recorded point can answer; there is one every ``period`` (s)."""
+        """Refuse a quantile that no recorded point can answer; there is one every ``period`` (s)."""
         for number, requirement in enumerate(self.campaign.requirements):
+            if requirement.quantile is None:
+                continue
             last = min(requirement.end, self.campaign.stop)
             first = math.ceil(requirement.start / period - 1e-9) * period
             if first > last + 1e-9:

@@ -1,23 +1,30 @@
-"""Requirements: a bound on a signal, for a share of the time of each run, or for a quantile of the runs."""
+"""Requirements: a bound on a value, for a share of the time of each run or a quantile of the runs; counts of events."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+from navfmu.engine.monitor import Monitor, Observed
+from navfmu.expressions.program import Program
 
 MAIN = "main"  # name of the main system among the variants
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """``least <= signal <= most`` from ``start`` to ``end`` (s).
+    """``least <= signal <= most`` from ``start`` to ``end`` (s), while ``when`` holds.
 
-    * With ``percent`` p: a run holds when this is so for at least p percent of its recorded points in that time; the
-      requirement holds when at least ``runs`` percent of the runs do (or, with ``expect_violated``, do not).
+    ``signal`` is an expression, and ``program`` what was compiled from it. Being outside for no longer than
+    ``tolerance`` (s) at a time does not count.
+
+    * With ``percent`` p: a run holds when this is so for at least p percent of its communication points in that time;
+      the requirement holds when at least ``runs`` percent of the runs do (or, with ``expect_violated``, do not).
+    * With ``events``: a run holds when the expression becomes true at most ``most`` times.
     * With ``quantile`` q: at every recorded time the q-quantile over the runs must lie within the bound.
     """
 
@@ -31,11 +38,39 @@ class Requirement:
     runs: float
     start: float
     end: float
+    program: Program = field(compare=False)
+    when: str = ""
+    tolerance: float = 0.0
+    events: bool = False
     expect_violated: bool = False
     severity: str = ""
     description: str = ""
     variants: tuple[str, ...] | None = None
     cases: tuple[str, ...] | None = None
+
+    @property
+    def signals(self) -> list[str]:
+        """The signals that it looks at."""
+        return [str(source) for source in self.program.sources]
+
+    @property
+    def monitor(self) -> Monitor:
+        """What is asked at every communication point of a run."""
+        bounds = {} if self.events or self.truth else {"least": self.least, "most": self.most}
+        return Monitor(
+            self.id,
+            f"not ({self.signal})" if self.events else self.signal,
+            **{name: bound for name, bound in bounds.items() if bound is not None},
+            begin=self.start,
+            end=self.end,
+            when=self.when,
+            tolerance=self.tolerance,
+        )
+
+    @property
+    def truth(self) -> bool:
+        """Whether the expression itself says what is required."""
+        return not self.events and self.most is None and self.least is None
 
     def applies(self, variant: str, case: str) -> bool:
         """Whether it is asked of this variant in this case."""
@@ -49,12 +84,22 @@ class Requirement:
         high = f" <= {self.most:g}{unit}" if self.most is not None else ""
         when = f" from {self.start:g} s" if self.start > 0 else ""
         when += f" to {self.end:g} s" if math.isfinite(self.end) else ""
+        when += f" while {self.when}" if self.when else ""
         if self.quantile is not None:
             return f"{low}{self.signal}{high} at every time{when}, {100 * self.quantile:g}th percentile of the runs"
-        share = "always" if self.percent == 100 else f"for {self.percent:g} % of the time"
-        many = "" if self.runs == 100 else f", in {self.runs:g} % of the runs"
         wrong = "VIOLATED as expected: " if self.expect_violated else ""
+        many = "" if self.runs == 100 else f", in {self.runs:g} % of the runs"
+        if self.events:
+            lasting = f" for more than {self.tolerance:g} s" if self.tolerance else ""
+            return f"{wrong}{self.signal}{lasting} at most {self.most:g} times{when}{many}"
+        share = "always" if self.percent == 100 else f"for {self.percent:g} % of the time"
+        share += f", but for {self.tolerance:g} s at a time" if self.tolerance else ""
         return f"{wrong}{low}{self.signal}{high} {share}{when}{many}"
+
+    def values(self, series: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The value at every recorded point, from the columns of a recording."""
+        columns = [series[name] for name in self.signals]
+        return np.broadcast_to(self.program.value(columns, series["time"]), series["time"].shape)
 
     def window(self, time: np.ndarray) -> np.ndarray:
         """Which recorded points count."""
@@ -103,33 +148,32 @@ def enough(percent: float, needed: float) -> bool:
     return percent >= needed * (1.0 - 1e-12)
 
 
-def judge(requirement: Requirement, time: np.ndarray, values: np.ndarray) -> Finding | None:
-    """One run against one requirement; None when no point lies in its time.
+def judge(requirement: Requirement, seen: Observed) -> Finding | None:
+    """What a run says that was asked ``requirement.monitor``; None where no point was asked.
 
-    ``time`` (s) has all points that were to be recorded, ``values`` fewer where the run has ended early. The others
-    speak against the requirement: they are outside of its bound, or inside, where it should be violated.
+    Points that a run did not reach speak against the requirement: they are outside of its bound, or inside, where it
+    should be violated.
     """
-    window = requirement.window(time)
-    if not window.any():
+    total = seen.points + seen.missing
+    if not total:
         return None
-    time, values = time[window], np.asarray(values, np.float64)[window[: len(values)]]
-    excess = requirement.excess(values)
-    outside = np.full(len(time), not requirement.expect_violated)
-    outside[: len(values)] = excess > 0.0
-    percent = 100.0 * float(np.count_nonzero(~outside)) / len(time)
-    worst = int(np.argmax(excess)) if len(values) else 0
+    outside = seen.outside + (0 if requirement.expect_violated else seen.missing)
+    percent = 100.0 * (total - outside) / total
     needed = 100.0 if requirement.percent is None else requirement.percent
+    held = enough(percent, needed)
+    if requirement.events:
+        held = seen.episodes <= requirement.most and (requirement.expect_violated or not seen.missing)
+    first = seen.first_outside
     return Finding(
-        held=enough(percent, needed),
+        held=held,
         percent=percent,
-        worst=float(values[worst]) if len(values) else math.nan,
-        worst_time=float(time[worst]),
-        first_violation=float(time[np.argmax(excess > 0.0)]) if (excess > 0.0).any() else None,
-        missing=len(time) - len(values),
+        worst=float(seen.episodes) if requirement.events else seen.worst,
+        worst_time=first if requirement.events else seen.worst_time,
+        first_violation=None if math.isnan(first) else first,
+        missing=seen.missing,
     )
 
 
-@cache
 def wilson(count: int, total: int) -> tuple[float, float]:
     """95 % confidence interval (Wilson) of a share, in percent."""
     if total == 0:

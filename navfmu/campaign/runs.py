@@ -65,6 +65,7 @@ class Answer:
     notes: tuple[str, ...]
     not_finite: dict[str, int]  # signal -> recorded points at which it is NaN or infinite
     idle: dict[str, str]  # faults that changed nothing, and why
+    observed: dict[str, dict[str, Any]]  # what was seen of each requirement (engine.monitor.Observed)
 
     def text(self) -> str:
         """The content of its file, which ends with a hash of the rest."""
@@ -130,6 +131,7 @@ def experiment_of(campaign: Campaign, variant: str, case: Case) -> Experiment:
         record=record_of(campaign, variant, case),
         record_period=_record_period(campaign, step),
         parameters=_laid_over(campaign.parameters, case.parameters),
+        monitors=[r.monitor for r in campaign.requirements if r.applies(variant, case.written)],
     )
 
 
@@ -141,7 +143,8 @@ def _laid_over(common: dict[str, Any], special: dict[str, Any]) -> dict[str, Any
 def record_of(campaign: Campaign, variant: str, case: Case) -> list[str]:
     """The signals that are recorded in the runs of a variant in a case."""
     system = campaign.systems[variant]
-    wanted = [r.signal for r in campaign.requirements if r.applies(variant, case.written)]
+    asked = [r for r in campaign.requirements if r.applies(variant, case.written)]
+    wanted = [signal for requirement in asked for signal in requirement.signals]
     wanted += system.signals(campaign.record) if campaign.record else []
     wanted += system.report.signals(system.fmus) if system.report else []
     return list(dict.fromkeys(wanted)) or system.signals()

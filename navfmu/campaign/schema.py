@@ -75,15 +75,26 @@ class DesignEntry(Table):
 
 
 class RequirementEntry(Table):
-    """A bound on a signal, for a share of the time of each run, or for a quantile of the runs."""
+    """A bound on a value, for a share of the time of each run, or for a quantile of the runs; or a count of events."""
 
     id: str = Field(min_length=1, description="name of the requirement")
     description: str = Field("", description="the requirement in words")
     severity: str = Field("", description='how bad a violation is, for example "major"')
-    signal: str = Field(min_length=1, description='an output, "component.signal"')
-    at_most: Bound | None = Field(None, description='upper bound: a number in the unit of the signal, or "0.5 nmi"')
+    signal: str | None = Field(
+        None,
+        min_length=1,
+        description="a signal or an expression over signals; one that is true or false needs no bound",
+    )
+    events: str | None = Field(
+        None, min_length=1, description="instead: an expression; how often it becomes true is at most 'at_most'"
+    )
+    at_most: Bound | None = Field(
+        None, description='upper bound: a number in the unit of the signal, or "0.5 nmi"; of events: 0 by default'
+    )
     at_least: Bound | None = Field(None, description="lower bound")
-    percent: Percent | None = Field(None, description="of the recorded points of each run; default: 100")
+    when: str = Field("", description="an expression: asked only while it is true")
+    tolerance: Time = Field(0.0, description="for how long at a time it may be outside; default: 0")
+    percent: Percent | None = Field(None, description="of the communication points of each run; default: 100")
     quantile: float | None = Field(None, gt=0, le=1, description="of the runs, at every time; instead of percent")
     runs: Percent = Field(100.0, description="percent of the runs that must hold")
     begin: Time = Field(0.0, alias="from", description="time from which it is asked")
@@ -107,7 +118,7 @@ class CampaignFile(Table):
         "gauss_seidel", json_schema_extra={"enum": ["gauss_seidel", "jacobi"]}, description="order of the components"
     )
     record: Some | None = Field(None, description="signals beside those that requirements and pictures need")
-    record_period: Time | None = Field(None, description="time between recorded points; findings are made at these")
+    record_period: Time | None = Field(None, description="time between recorded points")
     parameters: dict[str, Any] = Field({}, description='values by "component.parameter", for all runs')
     case: list[CaseEntry] | None = Field(
         None, min_length=1, description="what is done to the system; default: one case, nominal"

@@ -64,7 +64,7 @@ class Searching:
                 hand(run, self.folder, report)
                 answer = Answer.read(run, self.folder)
             self.seen.add(run.key)
-        return judge_run(sought.campaign, run, answer, self.folder)
+        return judge_run(sought.campaign, run, answer)
 
     def _kept(self, run: Run) -> Answer | None:
         try:

@@ -92,7 +92,8 @@ class Monitor:
 
     def bounds(self, program: Program) -> tuple[float, float]:
         """Bounds on the number that the program returns."""
-        return (1.0, 1.0) if program.boolean else (self.least, self.most)
+        asks_truth = program.boolean and (self.least, self.most) == (-math.inf, math.inf)
+        return (1.0, 1.0) if asks_truth else (self.least, self.most)
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,16 @@ class Observed:
     worst_time: float
     rms: float
     greatest: float  # size of the value
+
+    def describe(self) -> dict[str, Any]:
+        """As plain data; JSON has no NaN and no infinity."""
+        content = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return {k: v if math.isfinite(v) else repr(v) for k, v in content.items()}
+
+    @classmethod
+    def restored(cls, content: Mapping[str, Any]) -> Observed:
+        """From plain data."""
+        return cls(**{k: float(v) if isinstance(v, str) else v for k, v in content.items()})
 
     @classmethod
     def of(cls, row: np.void, clock: Clock, k: int) -> Observed:

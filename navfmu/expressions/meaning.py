@@ -1,7 +1,7 @@
 """What an expression means in a system: names become signals, units are checked, and operations come out.
 
-* Values are in SI: what is in another unit is converted as it is loaded. A number without a unit is in the unit of the
-  signal that stands on the other side of a sign, or a plain number.
+* Values are in SI: what is in another unit is converted as it is loaded, except where a signal is all there is.
+  A number without a unit is in the unit of the signal on the other side of a sign, or a plain number.
 * Sums, comparisons, min and max want values of one dimension; angles are a dimension of their own only beside angles.
 * A signal without a unit goes with everything.
 * A truth value is no number and a number no truth value: ``navigator.mode != 0``.
@@ -72,6 +72,8 @@ def compile_expression(
     compiler = _Compiler(text, system, faults, named or {})
     tree = parse(text)
     value = compiler.value(tree)
+    if isinstance(tree, Name) and value.own is not None:
+        value = replace(value, rows=value.rows[:1], unit=value.own)
     if boolean is not None and value.boolean is not boolean:
         expected = "a truth value, such as 'x < 1'" if boolean else "a number"
         raise compiler.error(tree, f"expected {expected}, but this is {_kind(value)}")
@@ -279,7 +281,7 @@ class _Compiler:
         exponents = operand.unit and operand.unit.exponents
         if exponents and any(power % 2 for power in exponents):
             raise self.error(node, f"sqrt() of {dimension(operand.unit)}, expected even powers of units")
-        unit = operand.unit and Unit("", tuple(power // 2 for power in exponents or ()))
+        unit = operand.unit and _si(Unit("", tuple(power // 2 for power in exponents or ())))
         return Value((*operand.rows, (Op.SQRT, 0.0)), unit=unit, number=operand.number)
 
     def of_many(self, node: Call) -> Value:
@@ -317,7 +319,7 @@ class _Compiler:
         known = [value for value in values if value.unit is not None and not value.number]
         for value in known[1:]:
             if not known[0].unit.agrees(value.unit):  # type: ignore[union-attr]
-                first, second = (dimension(v.unit) for v in (known[0], value))  # type: ignore[arg-type]
+                first, second = (v.unit.name for v in (known[0], value))  # type: ignore[arg-type]
                 raise self.error(node, f"{what} joins {first} and {second}, expected one dimension")
         return values
 
@@ -337,8 +339,11 @@ def _kind(value: Value) -> str:
 
 
 def _si(unit: Unit) -> Unit:
-    """The SI unit of that dimension."""
-    return Unit(dimension(unit), unit.exponents)
+    """The SI unit of that dimension, by the name that people write."""
+    if unit.exponents is not None and not any(unit.exponents):
+        return _NONE
+    common = (u for u in COMMON.values() if u.exponents == unit.exponents and (u.factor, u.offset) == (1.0, 0.0))
+    return next(common, Unit(dimension(unit), unit.exponents))
 
 
 def _with(value: Value, own: Unit) -> Value:
@@ -361,5 +366,4 @@ def _product(left: Value, right: Value, sign: int) -> Unit | None:
     if left.unit is None or right.unit is None:
         return None
     pairs = zip(left.unit.exponents or (), right.unit.exponents or (), strict=True)
-    unit = Unit("", tuple(a + sign * b for a, b in pairs))
-    return Unit(dimension(unit), unit.exponents)
+    return _si(Unit("", tuple(a + sign * b for a, b in pairs)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -84,7 +83,7 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
     frame.attrs["not_finite"] = {name: count for name, (count, _) in recording.not_finite.items()}
-    frame.attrs["observed"] = {name: asdict(seen) for name, seen in recording.observed.items()}
+    frame.attrs["observed"] = {name: seen.describe() for name, seen in recording.observed.items()}
     frame.attrs["lost"] = dict(recording.lost)
     frame.attrs["idle"] = {fault: visible(why) for fault, why in recording.idle.items()}
     return frame

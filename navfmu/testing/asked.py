@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from dataclasses import dataclass, replace
+from typing import Any
 
 from navfmu.campaign.asked import requirement_of
 from navfmu.campaign.outcome import percent, told
 from navfmu.campaign.requirement import MAIN, Finding, Requirement, judge
 from navfmu.campaign.schema import RequirementEntry
-from navfmu.errors import NavfmuError, nearest
+from navfmu.engine.monitor import Monitor, Observed
+from navfmu.errors import NavfmuError
 from navfmu.files.schema import validated
-from navfmu.fmi.names import short
 from navfmu.system.system import System
 from navfmu.testing.keywords import Keywords
-
-if TYPE_CHECKING:
-    import pandas
 
 OF_MANY = {  # entries of a campaign's requirement that need more than one run
     "quantile": "'percent' is the share of the time in a run",
@@ -53,26 +48,26 @@ class Asked:
         return cls(requirement, id if "id" in given else "")
 
     @property
+    def monitor(self) -> Monitor:
+        """What is asked at every communication point; requirements without a name differ in what they ask."""
+        return replace(self.requirement.monitor, id=self.key)
+
+    @property
+    def key(self) -> str:
+        """What names it among those of a run."""
+        return f"{self.id} {self.requirement.sentence}"
+
+    @property
     def words(self) -> str:
         """The requirement with its name: "NAV-1 (evaluation.horizontal_error <= 926 m always)"."""
         sentence = self.requirement.sentence
         return f"{self.id} ({sentence})" if self.id else f"({sentence})"
 
-    def judge(self, frame: pandas.DataFrame, points: np.ndarray) -> str:
-        """Why a run does not hold it, or ""; ``points`` (s) were to be recorded."""
-        signal = self.requirement.signal
-        if signal not in frame:
-            hint = nearest(signal, short(frame.columns))
-            raise NavfmuError(
-                f"require('{signal}'): it was not recorded in this run{hint}; name it in run(record=...), or require "
-                "it before the run"
-            )
-        finding = judge(self.requirement, points, frame[signal].to_numpy())
+    def judge(self, seen: Mapping[str, Any]) -> str:
+        """Why a run does not hold it, or ""; ``seen`` is what the run says of its monitors."""
+        finding = judge(self.requirement, Observed.restored(seen[self.key]))
         if finding is None:
-            raise NavfmuError(
-                f"requirement {self.words}: no point is recorded in that time; those of the run are from "
-                f"{points[0]:g} s to {points[-1]:g} s, {len(points)} of them"
-            )
+            raise NavfmuError(f"requirement {self.words}: was asked at no point of the run")
         held = finding.held != self.requirement.expect_violated
         return "" if held else f"requirement {self.words} {self._violated(finding)}"
 

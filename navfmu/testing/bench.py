@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -158,9 +159,14 @@ class Bench:
     def _judge(self, run: Flown, asked: Sequence[Asked]) -> None:
         """Raise what a run violates, with its plot."""
         run.asked += asked
-        violated = [(one, text) for one in asked if (text := one.judge(run.frame, run.experiment.points))]
+        seen = run.frame.attrs["observed"]
+        if any(one.key not in seen for one in asked):  # required after the run: it is made again, and asked
+            monitors = [one.monitor for one in dict.fromkeys(asked)]
+            seen = replace(run.experiment, monitors=monitors).run().attrs["observed"]
+        violated = [(one, text) for one in asked if (text := one.judge(seen))]
         if violated:
-            self._refuse(run, [text for _, text in violated], [one.requirement.signal for one, _ in violated])
+            signals = [signal for one, _ in violated for signal in one.requirement.signals]
+            self._refuse(run, [text for _, text in violated], signals)
 
     def _refuse(self, run: Flown, sentences: Sequence[str], signals: Sequence[str] = ()) -> None:
         self._logbook.keep(run, signals)
@@ -186,7 +192,8 @@ class Bench:
         arguments = self._given | self._arguments({} if stop is None else {"stop": stop}) | self._arguments(given)
         arguments |= self._setting.given
         arguments |= {"record": self._record(arguments.get("record")), "parameters": dict(self.parameters)}
-        experiment = self.system.experiment(**arguments, faults=self._faults)
+        monitors = [asked.monitor for asked in dict.fromkeys(self._asked)]
+        experiment = self.system.experiment(**arguments, faults=self._faults, monitors=monitors)
         for fault, why in experiment.plan().idle.items():
             if "idle" not in allowed:
                 raise NavfmuError(f"fault '{fault}' {why}: it cannot act; allow='idle' runs it all the same")
@@ -207,7 +214,7 @@ class Bench:
     def _record(self, given: Sequence[str] | None) -> list[str]:
         """What is recorded: what was given, or else what reports show, and what is required."""
         names = to_record(None, self.system) if given is None else self.system.signals(given)
-        signals = dict.fromkeys(asked.requirement.signal for asked in self._asked)
+        signals = dict.fromkeys(signal for asked in self._asked for signal in asked.requirement.signals)
         return names + [signal for signal in signals if not any(stands_for(name, signal) for name in names)]
 
     def _fly(self, run: Flown) -> pandas.DataFrame:

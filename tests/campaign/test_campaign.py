@@ -14,11 +14,16 @@ from click.testing import CliRunner
 
 from navfmu import System
 from navfmu.campaign import load_campaign, run_campaign
-from navfmu.campaign.requirement import Requirement, judge, wilson
+from navfmu.campaign import requirement as requirement_module
+from navfmu.campaign.requirement import Finding, Requirement, wilson
 from navfmu.campaign.runs import runs_of
 from navfmu.cli.main import main
+from navfmu.engine.clock import Clock
+from navfmu.engine.monitor import Observed, Observer, tables
 from navfmu.errors import NavfmuError
+from navfmu.expressions.meaning import compile_expression
 from tests.components import systems
+from tests.expressions.made import SYSTEM
 
 CAMPAIGN = """
 name = "tracker"
@@ -116,16 +121,28 @@ def test_a_second_time_runs_nothing(done, monkeypatch):
     assert contents(folder) == before
 
 
-def test_other_requirements_judge_the_same_recordings_anew(done, monkeypatch, tmp_path):
+def test_other_shares_judge_the_same_runs_anew(done, monkeypatch, tmp_path):
     file, folder = done[0], copy(done[1], tmp_path)
     monkeypatch.setattr(
         "navfmu.campaign.executor.in_threads", lambda runs, *rest: pytest.fail("ran again") if runs else []
     )
-    text = file.read_text().replace("at_most = 9.5", "at_most = 0.5").replace("percent = 90", "percent = 100")
+    text = file.read_text().replace("quantile = 0.9", "quantile = 1.0").replace("percent = 90", "percent = 100")
     outcome = run_campaign(load_campaign(write(tmp_path, text)), folder)
-    assert not outcome.passed
     cell = next(c for c in outcome.cells if c.requirement.id == "R-2" and c.case == "nominal")
-    assert not cell.passed and "90th percentile of 3 runs" in cell.sentence
+    assert "100th percentile of 3 runs" in cell.sentence
+
+
+def test_another_bound_is_asked_in_new_runs(done, tmp_path):
+    """It is asked at every communication point, of which the recordings have but some."""
+    file, folder = done[0], copy(done[1], tmp_path)
+    before = set((folder / "runs").glob("*.json"))
+    text = file.read_text().replace("at_most = 9.5", "at_most = 0.5")
+    outcome = run_campaign(load_campaign(write(tmp_path, text)), folder)
+    cell = next(c for c in outcome.cells if c.requirement.id == "R-2" and c.case == "nominal")
+    assert not cell.passed and not outcome.passed
+    asked = {judged.run.answer(folder) for judged in outcome.runs if "R-2" in judged.findings}
+    assert asked and not asked & before
+    assert {judged.run.answer(folder) for judged in outcome.runs} - asked <= before
 
 
 def test_an_interrupted_campaign_goes_on_where_it_stopped(done, tmp_path):
@@ -218,10 +235,20 @@ def test_the_command_prints_verdicts_and_can_be_strict(done):
 
 def requirement(**given) -> Requirement:
     values = {
-        "id": "R", "signal": "a.b", "most": None, "least": None, "unit": "m", "percent": 100.0, "quantile": None,
-        "runs": 100.0, "start": 0.0, "end": np.inf,
+        "id": "R", "signal": "a.x", "most": None, "least": None, "unit": "m", "percent": 100.0, "quantile": None,
+        "runs": 100.0, "start": 0.0, "end": np.inf, "program": compile_expression("a.x", SYSTEM),
     }  # fmt: skip
     return Requirement(**values | given)
+
+
+def judge(asked: Requirement, time: np.ndarray, values: np.ndarray) -> Finding | None:
+    """What a run says whose signal has these values at its first communication points, which are ``time``."""
+    clock = Clock.of(1.0, time[-1])
+    rows, operations = tables([asked.monitor], [(asked.program, None)], lambda source: (0, 1.0, 0.0), clock)
+    observer = Observer(rows[0], operations)
+    for k, value in enumerate(values):
+        observer.observe([value], k, clock.time(k))
+    return requirement_module.judge(asked, Observed.of(observer.row, clock, len(values) - 1))
 
 
 TIME = np.arange(11.0)
@@ -295,9 +322,10 @@ def test_a_mistake_in_the_file_is_answered_with_its_line(tmp_path, change, sente
 
 
 def test_a_requirement_that_no_recorded_point_can_answer_is_refused(tmp_path):
-    text = CAMPAIGN.replace("from = 2.0", "from = 2.1\nto = 2.9").replace("seeds", "record_period = 1.0\nseeds")
+    text = CAMPAIGN.replace("quantile = 0.9", "quantile = 0.9\nfrom = 2.1\nto = 2.9")
+    text = text.replace("seeds", "record_period = 1.0\nseeds")
     file = write(tmp_path, text.format(system=systems.tracker()))
-    with pytest.raises(NavfmuError, match=r"line 20: no point is recorded from 2\.1 s to 2\.9 s: .* period is 1 s"):
+    with pytest.raises(NavfmuError, match=r"line 28: no point is recorded from 2\.1 s to 2\.9 s: .* period is 1 s"):
         load_campaign(file)
 
 

@@ -12,11 +12,10 @@ from click.testing import CliRunner
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.outcome import Outcome, judge_quantile
-from navfmu.campaign.requirement import judge
 from navfmu.campaign.show import show
 from navfmu.cli.main import main
 from navfmu.ssp.writer import SystemSource
-from tests.campaign.test_campaign import requirement
+from tests.campaign.test_campaign import judge, requirement
 from tests.foreign.stepper import write
 
 HEAD = """

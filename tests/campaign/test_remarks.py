@@ -78,7 +78,9 @@ def test_seeds_that_a_component_takes_are_not_talked_down(tmp_path, seeds, own, 
     ],
 )
 def test_time_after_the_last_recorded_point_is_not_judged_in_silence(tmp_path, period, more, said):
-    outcome = flown(tmp_path, systems.ring(), f"record_period = {period}\n", more)
+    """A quantile is asked of the recordings; all else at every communication point."""
+    assert not flown(tmp_path, systems.ring(), f"record_period = {period}\n", more).remarks
+    outcome = flown(tmp_path, systems.ring(), f"record_period = {period}\n", f"quantile = 0.5\n{more}")
     assert outcome.remarks == ({f"{said} (the recording period is 0.3 s)": 1} if said else {})
     assert (said in (tmp_path / "out" / "runs.csv").read_text()) and bool(outcome.runs[0].remarks) == bool(said)
 

@@ -132,7 +132,10 @@ at_most = 8.0
     ("other", "sentence"),
     [
         ("none", r"line 6: variant 'other': .*has no variable 'y'"),
-        ("parameter", r"line 6: variant 'other': 'a.y' is parameter of type Real, expected an output"),
+        (
+            "parameter",
+            r"line 6: variant 'other': in 'a.y', character 1: 'a.y' is a parameter, expected an output or an input",
+        ),
         ("feet", r"line 6: 'a.y' has ft in variant 'other' and m in 'main': one bound cannot hold both"),
     ],
 )

@@ -88,7 +88,7 @@ def test_what_is_not_a_number_is_in_no_comparison_and_in_every_extreme():
         ("a.x $ 2", 5, "'$' has no meaning"),
         ("(a.x", 5, "it ends, expected"),
         ("a.x)", 4, "there is ')'"),
-        ("a.x + a.v", 5, "'+' joins m and m.s-1, expected one dimension"),
+        ("a.x + a.v", 5, "'+' joins m and m/s, expected one dimension"),
         ("a.x < 3 deg", 5, "'<' joins m and rad"),
         ("max(a.x, 2 s)", 1, "max() joins m and s"),
         ("a.x < 3 furlongs", 7, "the unit 'furlongs' is not known"),
