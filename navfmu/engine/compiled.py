@@ -22,6 +22,7 @@ from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library, load
+from navfmu.engine.loss import LOSS
 from navfmu.engine.monitor import MONITOR, OPERATION
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import (
@@ -143,6 +144,7 @@ class Compiled:
         for part in plan.parts:
             self._disturbed[part.first_signal : part.first_signal + part.signals] = part.effects > 0
         self._effects = np.ascontiguousarray(plan.effects, EFFECT).copy()
+        self._losses = np.ascontiguousarray(plan.losses, LOSS).copy()
         self._monitors = np.ascontiguousarray(plan.monitors, MONITOR).copy()
         self._master = self._make_master()
         try:
@@ -230,7 +232,13 @@ class Compiled:
         notes += complained(self.plan, self._logs, {*self._refused, self._master.ended})
         notes += floating.strayed(self.plan, [component.strayed for component in self._components])
         over = self.k == self.plan.clock.steps or self._master.ended >= 0
-        idle = unmoved(self.plan, self._effects["seen"].tolist(), self.k, over, self._master.turn)
+        idle = unmoved(
+            self.plan,
+            [*self._effects["seen"].tolist(), *self._losses["seen"].tolist()],
+            self.k,
+            over,
+            self._master.turn,
+        )
         seen = observed(self.plan, self._monitors, self.k)
         return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle, seen)
 
@@ -355,6 +363,8 @@ class Compiled:
             moves=len(plan.initial),
             effect=self._keep(self._effects, EFFECT, changes=True),
             echo=self._keep(plan.echoes, ECHO),
+            loss=self._keep(self._losses, LOSS, changes=True),
+            behind=self._keep(np.zeros(len(plan.parts)), np.int64, changes=True),
             reach=self._keep(plan.reach, np.int32),
             readers=self._keep(plan.readers, np.int32),
             memory=self._keep(plan.memory.copy(), np.float64, changes=True),
@@ -425,6 +435,7 @@ class Compiled:
         )
         to.whole = self._keep(np.zeros(max(to.integers, to.booleans)), np.int32)
         to.first_effect, to.effects = part.first_effect, part.effects
+        to.first_loss, to.losses = part.first_loss, part.losses
 
     def _ahead(self, source: np.ndarray) -> np.ndarray:
         """Where to find the value at the end of a step: components without faults have it where it always is."""

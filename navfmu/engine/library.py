@@ -28,10 +28,8 @@ UNITS = (
     RUNTIME / "noise.c",
 )
 HEADERS = (
-    *(
-        SOURCE / f"{name}.h"
-        for name in ("master", "act", "exchange", "effects", "expression", "floating", "initial", "monitor", "trigger")
-    ),
+    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "act", "effects", "loss", "trigger")),
+    *(SOURCE / f"{name}.h" for name in ("expression", "floating", "initial", "monitor")),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )
 

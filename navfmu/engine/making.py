@@ -47,6 +47,7 @@ def effects_of(
     return [
         replace(effect, trigger=number)
         for number, fault in enumerate(faults)
+        if fault.type in RECIPES
         for effect in RECIPES[fault.type](fault, elements(fault, components, connected))
     ]
 

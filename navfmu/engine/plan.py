@@ -32,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.engine import loss
 from navfmu.engine.clock import Clock
 from navfmu.engine.component import Component
 from navfmu.engine.effect import NEXT, OBSERVED, RECORDED, TAKE, Effect, tables
@@ -80,6 +81,8 @@ class Part:
     outputs: Mapping[str, np.ndarray]  # by type, value references read after each step, in the order of the signals
     first_effect: int  # rows of the fault table
     effects: int
+    first_loss: int  # rows of the table of losses
+    losses: int
 
     @property
     def counters(self) -> list[Variable]:
@@ -123,8 +126,9 @@ class Plan:
     readers: np.ndarray  # int32: who sees each signal
     triggers: np.ndarray  # TRIGGER: one for each fault
     windows: np.ndarray  # WINDOW
-    begins: tuple[int, ...]  # communication point at which each effect begins
-    faults: tuple[Fault | None, ...]  # of each effect; none of those with which an input takes something
+    losses: np.ndarray  # LOSS: by component
+    begins: tuple[int, ...]  # communication point at which each effect begins, then each loss
+    faults: tuple[Fault | None, ...]  # of each effect, then each loss; what an input takes is none
     recorded: tuple[Recorded, ...]
     questions: tuple[Monitor, ...]
     monitors: np.ndarray  # MONITOR: a row for each question
@@ -229,7 +233,8 @@ def make_plan(
     effect_tables = tables(ordered, slots, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
-    useless = idle(ordered, windows, readers, clock, every, undisturbed)
+    losses = loss.losses_of(faults, by_name)
+    useless = idle(ordered, windows, readers, clock, every, undisturbed) | loss.idle(losses, windows, clock)
 
     faulted = {key for effect in ordered for key in effect.keys}
 
@@ -240,16 +245,17 @@ def make_plan(
 
     monitor_table, operations = monitor_tables(monitors, programs, place, clock)
     initial, loops = initial_moves(components, wires, driven, slots)
-    parts, first_effect = [], 0
+    parts, first_effect, first_loss = [], 0, 0
     for component in components:
         groups = inputs_of(component, wires, driven, slots, algorithm, set(cut))
-        count = blocks.count(component.name)
+        count, lost = blocks.count(component.name), sum(one.component == component.name for one in losses)
         own = outputs[component.name]
         references = {t: np.array(list(own[t].values()), np.uint32) for t in TYPES}
         first_signal = next((slots[key] for t in TYPES for key in own[t]), 0)
         settings = _settings(component, starts[component.name])
-        parts.append(Part(component, settings, *groups, first_signal, references, first_effect, count))
-        first_effect += count
+        rows = first_effect, count, first_loss, lost
+        parts.append(Part(component, settings, *groups, first_signal, references, *rows))
+        first_effect, first_loss = first_effect + count, first_loss + lost
     return Plan(
         parts=tuple(parts),
         order=tuple(order),
@@ -265,8 +271,9 @@ def make_plan(
         readers=np.array([readers.get(key, 0) for key in signals], np.int32),
         triggers=triggers,
         windows=window_table,
-        begins=tuple(begin(windows[effect.trigger]) for effect in ordered),
-        faults=tuple(effect.fault for effect in ordered),
+        losses=loss.table(losses, list(by_name)),
+        begins=tuple(begin(windows[one.trigger]) for one in (*ordered, *losses)),
+        faults=tuple(one.fault for one in (*ordered, *losses)),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         questions=tuple(monitors),
         monitors=monitor_table,

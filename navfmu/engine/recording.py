@@ -112,16 +112,18 @@ def ended(plan: Plan, logs: Sequence[Log], component: int, k: int, last: float) 
 def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> dict[str, str]:
     """Faults that changed nothing up to communication point ``k``, by id, and why; none unless the run is ``over``.
 
-    ``seen`` is by effect, as in ``EFFECT``. ``turn`` is the component at which the step after ``k`` was left without
-    being complete, -1: there is none. Those that could not change anything are not told again.
+    ``seen`` is by effect, then by loss, as in ``EFFECT`` and ``LOSS``. ``turn`` is the component at which the step
+    after ``k`` was left without being complete, -1: there is none. Those that could not change anything are not told
+    again.
     """
     if not over:
         return {}
     before, at_its_end = _taken(plan, turn)
     was = [
         0 <= at <= 3 * k or (at == 3 * k + 1 and slot in before) or (at == 3 * k + 2 and slot in at_its_end)
-        for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=True)
+        for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=False)
     ]
+    was += [at >= 0 for at in seen[len(was) :]]
     found = unseen(plan.faults, plan.begins, was, plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
 

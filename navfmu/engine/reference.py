@@ -65,6 +65,8 @@ class Snapshot:
     ahead: list[float]
     begin: list[list[float]]
     triggers: list[Trigger]
+    behind: list[int]
+    lost_at: list[int]
     injectors: list[Any]
     observers: list[np.void]
 
@@ -107,6 +109,8 @@ class Reference:
         self._injectors = [self._injector(part.first_effect, part.first_effect + part.effects) for part in plan.parts]
         self._driver = self._injector(plan.first_driven_effect, len(plan.effects))
         self._observers = [Observer(row, plan.operations) for row in plan.monitors]
+        self._behind = [0] * len(plan.parts)  # steps that each has lost and not made up for
+        self._lost_at = plan.losses["seen"].tolist()
         self._logs = (Log * len(plan.parts))()
         self._fmus: list[FMU2Counting] = []
         self._gone: list[FMU2Counting] = []  # once they are freed
@@ -152,7 +156,7 @@ class Reference:
             self._look_for_dead()
             self._move_triggers(self.k + 1)
             try:
-                step(self.plan.clock.time(self.k))
+                step()
             except _Ended:
                 return
             self._turn = -1
@@ -205,6 +209,7 @@ class Reference:
         notes += floating.strayed(self.plan, [fmu.strayed for fmu in fmus])
         over = self.k == self.plan.clock.steps or self._ended >= 0
         seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
+        seen += self._lost_at
         idle = unmoved(self.plan, seen, self.k, over, self._turn)
         found = observed(self.plan, [observer.row for observer in self._observers], self.k)
         return recording(self.plan, rows, notes, lost, idle, found)
@@ -265,20 +270,27 @@ class Reference:
 
     # ---- algorithms --------------------------------------------------------------------------------------------------
 
-    def _jacobi(self, t: float) -> None:
+    def _jacobi(self) -> None:
         for number, part in enumerate(self.plan.parts):
-            self._set_held(number, part)
+            if not self._loses(number, part):
+                self._set_held(number, part)
         for number, part in enumerate(self.plan.parts):
             self._turn = number
-            self._make_step(number, t)
-            self._read_outputs(number, part, self.k + 1)
+            if self._loses(number, part):
+                self._stand_still(number, part)
+            else:
+                self._make_step(number)
+                self._read_outputs(number, part, self.k + 1)
 
-    def _gauss_seidel(self, t: float) -> None:
+    def _gauss_seidel(self) -> None:
         for number in self.plan.order:
             part, self._turn = self.plan.parts[number], number
+            if self._loses(number, part):
+                self._stand_still(number, part)
+                continue
             self._set_smooth(number, part)
             self._set_held(number, part)
-            self._make_step(number, t)
+            self._make_step(number)
             self._read_outputs(number, part, self.k + 1)
 
     # ---- one component -----------------------------------------------------------------------------------------------
@@ -298,18 +310,40 @@ class Reference:
             return
         references = part.smooth.references.tolist()
         ends = _inputs(part.smooth, self.ahead)
-        slopes = [(end - begin) / self.plan.clock.step for begin, end in zip(self.begin[number], ends, strict=True)]
+        slopes = [(end - begin) / self._length(number) for begin, end in zip(self.begin[number], ends, strict=True)]
         self._call(number, "setReal", references, self.begin[number])
         self._call(number, "setRealInputDerivatives", references, [1] * len(references), slopes)
         self._begin_smooth(number, part)
 
-    def _make_step(self, number: int, t: float) -> None:
+    def _make_step(self, number: int) -> None:
+        begin, h = self.plan.clock.time(self.k - self._behind[number]), self._length(number)
+        self._behind[number] = 0
         try:
-            self._fmus[number].doStep(t, self.plan.clock.step, int(not self._snapshots))
+            self._fmus[number].doStep(begin, h, int(not self._snapshots))
         except FMICallException as error:
             if error.status != DISCARD:
                 self._refuse(number, error)
             self._discarded(number, error)
+
+    def _length(self, number: int) -> float:
+        """How long the coming step of a component is (s): it makes up for those that it has lost."""
+        return self.plan.clock.step * (self._behind[number] + 1)
+
+    def _loses(self, number: int, part: Part) -> bool:
+        """Whether the coming step of a component is lost."""
+        lost = False
+        for place in range(part.first_loss, part.first_loss + part.losses):
+            if self._triggers[self.plan.losses["trigger"][place]].before.acts:
+                lost = True
+                if self._lost_at[place] < 0:
+                    self._lost_at[place] = 3 * self.k + 1
+        return lost
+
+    def _stand_still(self, number: int, part: Part) -> None:
+        """The step is lost: the outputs are what they were, under the faults of the next point."""
+        self._behind[number] += 1
+        held = {slot: self.truth[slot] for slot in range(part.first_signal, part.first_signal + part.signals)}
+        self._send(number, held, self.k + 1)
 
     def _discarded(self, number: int, error: FMICallException) -> None:
         """A step was discarded: because the FMU wants to end the run? Then the step may have been made all the same."""
@@ -385,7 +419,7 @@ class Reference:
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
         observers = [observer.state() for observer in self._observers]
-        return Snapshot(self.k, states, *lists, triggers, injectors, observers)
+        return Snapshot(self.k, states, *lists, triggers, list(self._behind), list(self._lost_at), injectors, observers)
 
     @floating.ordinary()
     def restore(self, snapshot: Snapshot) -> None:
@@ -400,6 +434,7 @@ class Reference:
         for observer, seen in zip(self._observers, snapshot.observers, strict=True):
             observer.set_state(seen)
         self.k, self._ended, self._turn = snapshot.k, -1, -1
+        self._behind, self._lost_at = list(snapshot.behind), list(snapshot.lost_at)
         self.values, self.truth, self.ahead = list(snapshot.values), list(snapshot.truth), list(snapshot.ahead)
         self.begin = [list(begin) for begin in snapshot.begin]
 

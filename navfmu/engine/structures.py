@@ -18,7 +18,7 @@ from ctypes import (
     sizeof,
 )
 
-from navfmu.engine import effect, initial, monitor, trigger
+from navfmu.engine import effect, initial, loss, monitor, trigger
 from navfmu.errors import NavfmuError, quoted
 from navfmu.expressions.program import Op
 
@@ -123,7 +123,7 @@ class Component(Structure):
         *((name, c_void_p) for name in ("real_value", "integer_value", "boolean_value")),
         *((name, c_int32) for name in ("reals", "integers", "booleans", "first_signal")),
         *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
-        *((name, c_int32) for name in ("first_effect", "effects")),
+        *((name, c_int32) for name in ("first_effect", "effects", "first_loss", "losses")),
         ("warnings", c_int64),
         ("strayed", c_int32),
         ("look", c_int32),
@@ -133,7 +133,7 @@ class Component(Structure):
 class Master(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "window", "effect", "echo")),
-        *((name, c_void_p) for name in ("reach", "readers", "memory", "without", "turned")),
+        *((name, c_void_p) for name in ("loss", "behind", "reach", "readers", "memory", "without", "turned")),
         *((name, c_void_p) for name in ("monitor", "operation", "signal")),
         *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers")),
         *((name, c_int32) for name in ("first_driven", "driven")),
@@ -163,6 +163,7 @@ def here() -> Iterator[Row]:
         "Trigger": trigger.TRIGGER,
         "Effect": effect.EFFECT,
         "Echo": effect.ECHO,
+        "Loss": loss.LOSS,
         "Monitor": monitor.MONITOR,
         "Operation": monitor.OPERATION,
         "Move": initial.MOVE,

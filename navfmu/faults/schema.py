@@ -56,8 +56,8 @@ class _Entry(Table):
 
     id: str = Field(description="name of the fault, unique in the file; also names its random numbers")
     target: str | Texts = Field(
-        description="component.signal, an array for all its elements, a bundle for all its members; "
-        "a list fails together, of one cause"
+        description="component.signal, an array for all its elements, a bundle for all its members; of a lost step the "
+        "component; a list fails together, of one cause"
     )
     type: str = Field(
         description="; ".join(f"{kind.name} ({kind.target}): {kind.effect}" for kind in TYPES.values()),

@@ -176,6 +176,13 @@ TYPES: dict[str, FaultType] = {
             (Parameter("value", "setting", "the value that it gets"),),
             "the parameter has the value, afterwards its start value again",
         ),
+        FaultType(
+            "lost_step",
+            (COMPONENT,),
+            (),
+            (),
+            "its steps are lost and its outputs held; afterwards one long step makes up for all of them",
+        ),
     )
 }  # fmt: skip
 

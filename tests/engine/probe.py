@@ -81,6 +81,7 @@ def probe(
     name: str,
     *,
     interpolates: bool = False,
+    any_step: bool = True,
     restores: bool = True,
     single: bool = False,
     guid: str = "{probe}",
@@ -97,6 +98,7 @@ def probe(
         only_one_instance=single,
         can_get_and_set_state=restores,
         can_interpolate_inputs=interpolates,
+        can_handle_variable_step=any_step,
     )
     return Component(name, Fmu(binary, "", binary.parent, binary, description), start)
 

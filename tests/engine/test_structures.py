@@ -19,6 +19,7 @@ def test_every_structure_is_compared():
             "TriggerKind",
             "Effect",
             "Echo",
+            "Loss",
             "Move",
             "Inputs",
             "Component",

@@ -102,11 +102,17 @@ static inline void begin_smooth(Master *m, Component *c) {
     gather(&c->smooth, c->smooth.source, m->signal, c->start);
 }
 
+/* How long the coming step of a component is: it makes up for those that it has lost. */
+static inline double length(const Master *m, const Component *c) {
+    return m->step * (double)(m->behind[c - m->component] + 1);
+}
+
 /* Set the smooth inputs: their value at the beginning of the step and the slope to its end. */
 static inline int set_smooth(Master *m, Component *c) {
     if (!c->smooth.count) return 0;
     gather(&c->smooth, c->ahead, m->signal, c->slope);
-    for (int i = 0; i < c->smooth.count; i++) c->slope[i] = (c->slope[i] - c->start[i]) / m->step;
+    const double h = length(m, c);
+    for (int i = 0; i < c->smooth.count; i++) c->slope[i] = (c->slope[i] - c->start[i]) / h;
     size_t count = (size_t)c->smooth.count;
     TRY(SET_REAL, c->set_real(c->instance, c->smooth.references, count, c->start));
     TRY(SET_DERIVATIVES, c->set_derivatives(c->instance, c->smooth.references, count, c->first_order, c->slope));
@@ -141,8 +147,11 @@ static RARELY int discarded(Master *m, Component *c) {
 }
 
 static inline int make_step(Master *m, Component *c, double t) {
+    int64_t *behind = m->behind + (c - m->component);
+    const double from = *behind ? time_of(m, m->place->k - *behind) : t, h = length(m, c);
     m->place->call = DO_STEP;
-    fmi2Status status = c->do_step(c->instance, t, m->step, c->never_back);
+    fmi2Status status = c->do_step(c->instance, from, h, c->never_back);
+    *behind = 0;
     if (status == fmi2OK) return 0;
     return status == fmi2Discard ? discarded(m, c) : failed(m, c, status);
 }

@@ -30,6 +30,8 @@ static const Field FIELDS[] = {
 
     WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory),
 
+    WHOLE(Loss), FIELD(Loss, component), FIELD(Loss, trigger), FIELD(Loss, seen),
+
     WHOLE(Monitor), FIELD(Monitor, first_operation), FIELD(Monitor, operations), FIELD(Monitor, first_when),
     FIELD(Monitor, whens), FIELD(Monitor, least), FIELD(Monitor, most), FIELD(Monitor, begin), FIELD(Monitor, end),
     FIELD(Monitor, tolerated), FIELD(Monitor, points), FIELD(Monitor, not_finite), FIELD(Monitor, outside),
@@ -55,7 +57,8 @@ static const Field FIELDS[] = {
     FIELD(Component, integer_value), FIELD(Component, boolean_value), FIELD(Component, reals),
     FIELD(Component, integers), FIELD(Component, booleans), FIELD(Component, first_signal),
     FIELD(Component, real_reference), FIELD(Component, integer_reference), FIELD(Component, boolean_reference),
-    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, warnings),
+    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects),
+    FIELD(Component, first_loss), FIELD(Component, losses), FIELD(Component, warnings),
     FIELD(Component, strayed), FIELD(Component, look),
 
     WHOLE(Place), FIELD(Place, k), FIELD(Place, rows), FIELD(Place, component), FIELD(Place, call),
@@ -64,7 +67,8 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, trigger), FIELD(Master, window), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, reach),
+    FIELD(Master, trigger), FIELD(Master, window), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, loss),
+    FIELD(Master, behind), FIELD(Master, reach),
     FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, turned), FIELD(Master, monitor),
     FIELD(Master, operation), FIELD(Master, signal),
     FIELD(Master, components), FIELD(Master, moves), FIELD(Master, signals), FIELD(Master, monitors),

@@ -60,6 +60,12 @@ typedef struct {
                                      the step after it, 3 k + 2, in that step as it leaves at its end; -1: not yet */
 } Effect;
 
+/* Steps that a component loses while a trigger acts. */
+typedef struct {
+    int32_t component, trigger;
+    int64_t seen;                 /* as that of an effect */
+} Loss;
+
 /* Who sees a signal: a component in this step, one in the next step, one that gets it as it is ahead; the recording; a
    monitor. */
 typedef enum { NOW = 1, NEXT = 2, AHEAD = 4, RECORDED = 8, OBSERVED = 16 } Reader;
@@ -133,6 +139,7 @@ typedef struct {
     int32_t *whole;               /* room for the Integer and Boolean outputs */
 
     int32_t first_effect, effects;
+    int32_t first_loss, losses;
     int64_t warnings;             /* calls that returned fmi2Warning */
     int32_t strayed;              /* what it has changed of how this thread calculates; see floating.h */
     int32_t look;                 /* whether the register is to be read for this after the next step */
@@ -170,6 +177,8 @@ typedef struct {
     const Window *window;
     Effect *effect;
     const Echo *echo;
+    Loss *loss;
+    int64_t *behind;              /* for each component, how many steps it has lost and not made up for */
     const int32_t *reach;         /* signals, as effects name them */
     const int32_t *readers;       /* who sees each signal: a sum of Reader */
     double *memory;               /* of effects and echoes */
