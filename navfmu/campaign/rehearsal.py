@@ -38,6 +38,7 @@ class Rehearsal:
                 progress(number + 1, len(every), "checking that every case can be flown")
         for period in sorted(self.periods):
             self.windows(period)
+        self.verdicts()
 
     def plan(self, variant: str, case: Case) -> Plan:
         """The plan of a case."""
@@ -93,6 +94,19 @@ class Rehearsal:
             return ()
         entry = self.content.case[number]
         return "case", number, next(k for k in ("faults", "each", "pairs") if getattr(entry, k) is not None)
+
+    def verdicts(self) -> None:
+        """Refuse a requirement that neither gets a verdict nor is searched."""
+        campaign = self.campaign
+        goals = {search.requirement for search in campaign.searches}
+        for number, requirement in enumerate(campaign.requirements):
+            asked = any(requirement.applies(v, case.written) for v in campaign.systems for case in campaign.cases)
+            if not asked and requirement.id not in goals:
+                raise self.document.error(
+                    f"{requirement.id} is asked in cases only that are searched for another requirement, and runs of "
+                    "a search make no verdict",
+                    *("requirement", number, "id" if requirement.cases is None else "cases"),
+                )
 
     def windows(self, period: float) -> None:
         """Refuse a quantile that no recorded point can answer; there is one every ``period`` (s)."""

@@ -341,6 +341,16 @@ def test_a_fault_that_changes_nothing_in_any_run_is_a_finding(tmp_path):
     assert not outcome.passed and [fault for _, _, fault, _ in outcome.idle] == ["push"]
 
 
+def test_a_requirement_that_gets_no_verdict_is_refused(tmp_path):
+    """It stood in the report without a word on whether it holds."""
+    more = '\n[[requirement]]\nid = "other"\nsignal = "lag.y"\nat_most = 1.0\n'
+    file = lag(tmp_path, "fault.push.value", 0.0, 8.0, 1.0, more=more)
+    line = file.read_text().splitlines().index('id = "other"') + 1
+    with pytest.raises(NavfmuError, match=rf"line {line}: other is asked in cases only that are searched for another"):
+        load_campaign(file)
+    load_campaign(lag(tmp_path, "fault.push.value", 0.0, 8.0, 1.0, more=more + '[[case]]\nname = "left alone"\n'))
+
+
 def test_only_variants_that_the_requirement_is_asked_of_are_searched(tmp_path):
     text = f'system = "{systems.tracker()}"\nvariants = ["main", "slow"]\nstop = 5.0\n'
     text += '[[case]]\nname = "c"\n[[axis]]\nvary = "parameter.truth.amplitude"\nlow = 0.0\nhigh = 100.0\n'
