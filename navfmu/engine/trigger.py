@@ -88,8 +88,8 @@ def windows(fault: Fault, clock: Clock, seed: int) -> Windows:
     begin, end = exact(fault.start), exact(fault.start) + exact(fault.duration) if fault.duration < math.inf else None
     if clock.index(fault.start) >= (FOREVER if end is None else clock.index(float(end))):
         raise fault.error(
-            f"no communication point lies between its start {fault.start:.9g} s and its end {float(end):.9g} s at the "
-            f"step {clock.step:.9g} s",
+            f"no communication point lies between its start {fault.start:.9g} s and its end "
+            f"{fault.start + fault.duration:.9g} s at the step {clock.step:.9g} s",
             "duration",
         )
     last = clock.steps * clock.ratio

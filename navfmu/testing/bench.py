@@ -62,7 +62,7 @@ class Bench:
     ) -> None:
         given = dict(given)
         twins: Sequence[str] | Mapping[str, type[Component]] = given.pop("twins", ())
-        self.parameters: dict[str, Any] = dict(given.pop("parameters", None) or {})
+        self.parameters: dict[str, Any] = _table(given.pop("parameters", {}))
         self._folder = folder
         self._native = System.load(
             self._beside(name), None if variant == MAIN else variant, strict=given.pop("strict", False)
@@ -126,7 +126,8 @@ class Bench:
     def faults(self, *files: str | os.PathLike | Fault) -> None:
         """Let the faults of files act: of paths, also beside the test, or names of files inside the system."""
         for file in files:
-            self._add(self.system.faults([file if isinstance(file, Fault) else self._beside(file)]))
+            named = isinstance(file, (str, os.PathLike))
+            self._add(self.system.faults([self._beside(file) if named else file]))
 
     def _add(self, faults: Sequence[Fault]) -> None:
         self._faults = list(self.system.faults([*self._faults, *faults]))
@@ -170,7 +171,7 @@ class Bench:
 
     def _refuse(self, run: Flown, sentences: Sequence[str], signals: Sequence[str] = ()) -> None:
         self._logbook.keep(run, signals)
-        place = "".join(f"; {what} in {where}" for what, where in run.files[:1])
+        place = "".join(f"; plot in {where}" for what, where in run.files if what == "plot")
         raise AssertionError("\n".join(f"{sentence}, {run.name}" for sentence in sentences) + place)
 
     # -- its runs ------------------------------------------------------------------------------------------------
@@ -213,6 +214,8 @@ class Bench:
 
     def _record(self, given: Sequence[str] | None) -> list[str]:
         """What is recorded: what was given, or else what reports show, and what is required."""
+        if given is not None and not all(isinstance(name, str) for name in _listed(given)):
+            return given  # the experiment says what is wrong
         names = to_record(None, self.system) if given is None else self.system.signals(given)
         signals = dict.fromkeys(signal for asked in self._asked for signal in asked.requirement.signals)
         return names + [signal for signal in signals if not any(stands_for(name, signal) for name in names)]
@@ -248,17 +251,31 @@ class Bench:
         return dict(given)
 
     def _allowed(self, names: str | Sequence[str]) -> Sequence[str]:
-        names = [names] if isinstance(names, str) else names
+        names = _listed(names)
         for name in names:
-            if name not in FINDINGS:
+            if not isinstance(name, str) or name not in FINDINGS:
                 known = ", ".join(f"'{key}' ({what})" for key, what in FINDINGS.items())
-                raise NavfmuError(f"allow: there is no '{name}'{nearest(name, FINDINGS)}; there are {known}")
+                raise NavfmuError(f"allow: there is no {name!r}{nearest(name, FINDINGS)}; there are {known}")
         return names
 
     def _beside(self, name: str | os.PathLike) -> str:
         """A path seen from the test's folder, where there is something; else the name as it is."""
+        if not isinstance(name, (str, os.PathLike)):
+            raise NavfmuError(f"system({name!r}): expected a path, or the name of a shipped system")
         text = os.fspath(name)
         return str(self._folder / text) if text.strip() and what_is(self._folder / text) is not None else text
+
+
+def _table(parameters: object) -> dict[str, Any]:
+    """The parameters of a system as a table of one's own."""
+    if not isinstance(parameters, Mapping):
+        raise NavfmuError(f"parameters are {parameters!r}, expected values by name: {{'imu.gyro_drift_sigma': 0.1}}")
+    return dict(parameters)
+
+
+def _listed(value: object) -> Sequence[Any]:
+    """What may be one or several, as several."""
+    return value if isinstance(value, (list, tuple)) else [value]
 
 
 def _findings(experiment: Experiment, frame: pandas.DataFrame) -> list[tuple[str, str]]:

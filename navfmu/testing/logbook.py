@@ -66,8 +66,10 @@ def path_of(test: str) -> Path:
 
     Whatever else stands in a test's name than letters and digits is replaced, and its hash tells it from others.
     """
-    file, _, name = test.partition("::")
-    return Path(*(_word(part) for part in [*file.split("/"), name] if part not in ("", ".", "..")))
+    names, bracket, parameters = test.partition("[")
+    file, *classes, name = names.split("::")
+    parts = [*file.split("/"), *classes, name + bracket + parameters]
+    return Path(*(_word(part) for part in parts if part not in ("", ".", "..")))
 
 
 def _word(part: str) -> str:

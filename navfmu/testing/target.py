@@ -13,8 +13,10 @@ from navfmu.system.system import System
 
 def usual_type(system: System, target: str | Sequence[str]) -> str:
     """The type of fault that a target has when none is given; several targets must have the same."""
-    targets = [target] if isinstance(target, str) else list(target)
-    types = {name: _usual(system, name) for name in targets}
+    targets = list(target) if isinstance(target, (list, tuple)) else [target]
+    if not targets:
+        raise NavfmuError("fault([]): the list of targets is empty")
+    types = {str(name): _usual(system, name) for name in targets}
     if len(set(types.values())) != 1:
         told = ", ".join(f"'{name}': {kind}" for name, kind in types.items())
         raise NavfmuError(f"fault({target!r}): these targets fail in different ways ({told}); give one type")

@@ -23,10 +23,10 @@ def with_twins(system: System, twins: Sequence[str] | Mapping[str, type[Componen
     By name alone it is the twin that was built with the FMU, which carries its sources. By the name and its class it is
     made now and runs the class itself, from the files that it was imported from.
     """
-    if not twins:
+    if isinstance(twins, (list, tuple, Mapping)) and not twins:
         return system
-    if isinstance(twins, str):
-        raise NavfmuError(f"twins: {twins!r} is no list of components, such as [{twins!r}]")
+    if not isinstance(twins, (list, tuple, Mapping)) or not all(isinstance(name, str) for name in twins):
+        raise NavfmuError(f"twins: {twins!r} is no list of components, such as ['imu']")
     components = dict(system.structure.components)
     with TemporaryDirectory(prefix="navfmu-twins-") as folder:
         for name in twins:
@@ -49,6 +49,9 @@ def _built(name: str, place: Place) -> Path:
 
 
 def _live(component: type[Component], folder: Path) -> Path:
+    from navfmu.export import Component
     from navfmu.export.twin import build_twin
 
+    if not isinstance(component, type) or not issubclass(component, Component):
+        raise NavfmuError(f"twins: {component!r} is not the class of a component (navfmu.export.Component)")
     return build_twin(component, folder, pictures=False, live=True)

@@ -10,6 +10,7 @@ from navfmu.testing.logbook import path_of
     [
         ("test_gps.py::test_lost", "test_gps.py/test_lost"),
         ("tests/deep/test_gps.py::test_lost[seed7]", "tests/deep/test_gps.py/test_lost-seed7"),
+        ("test_gps.py::TestLost::test_soon[a]", "test_gps.py/TestLost/test_soon-a"),
         ("test_gps.py::test_lost[seed7-jacobi-0.01]", "test_gps.py/test_lost-seed7-jacobi-0.01"),
     ],
 )
@@ -18,7 +19,23 @@ def test_plain_names_are_as_they_are(test, path):
 
 
 def test_other_names_can_be_written_everywhere_and_do_not_meet():
-    names = ["a b", "a-b", "a/b", "a:b", "a\\b", "a*b", "a?b", "ä", "a" * 300, "a" * 299, "..", "a[b", "a]b", ""]
+    names = [
+        "a b",
+        "a-b",
+        "a/b",
+        "a:b",
+        "a\\b",
+        "a*b",
+        "a?b",
+        "ä",
+        "a" * 300,
+        "a" * 299,
+        "..",
+        "a[b",
+        "a]b",
+        "",
+        "a::b",
+    ]
     paths = [path_of(f"test_x.py::test_y[{name}]").as_posix() for name in names]
     assert len(set(paths)) == len(names)
     for path in paths:
