@@ -73,12 +73,16 @@ class Asked:
 
     def _violated(self, finding: Finding) -> str:
         requirement = self.requirement
-        text = "is held, where it should be violated" if requirement.expect_violated else "violated"
-        text += f": inside for {percent(finding.percent)} of the time"
-        if finding.first_violation is not None:
-            text += f", first outside at t = {finding.first_violation:.9g} s"
-        if requirement.unit and finding.reached:
-            number = math.isfinite(finding.worst)
-            text += f", {f'worst {told(requirement, finding.worst)}' if number else 'not finite'}"
-            text += f" at t = {finding.worst_time:.9g} s"
+        text = "is held, where it should be violated: " if requirement.expect_violated else "violated: "
+        if requirement.events:
+            text += f"{finding.worst:g} times"
+            text += "" if finding.first_violation is None else f", first at t = {finding.first_violation:.9g} s"
+        else:
+            text += f"inside for {percent(finding.percent)} of the time"
+            if finding.first_violation is not None:
+                text += f", first outside at t = {finding.first_violation:.9g} s"
+            if finding.reached and not requirement.truth:
+                number = math.isfinite(finding.worst)
+                text += f", {f'worst {told(requirement, finding.worst)}' if number else 'not finite'}"
+                text += f" at t = {finding.worst_time:.9g} s"
         return text + (f", {finding.missing} points not reached" if finding.missing else "")

@@ -23,7 +23,9 @@ def plot(run: Flown, signals: Sequence[str]) -> bytes:
     columns = {name: run.frame[name].to_numpy() for name in run.frame.attrs["units"] if name in run.frame}
     required = [asked.requirement for asked in run.asked]
     bounds = [Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end) for r in required]
-    first = [name for name in dict.fromkeys([*(r.signal for r in required), *signals]) if name in columns]
+    first = [
+        name for name in dict.fromkeys([*signals, *(name for r in required for name in r.signals)]) if name in columns
+    ]
     recorded = Recorded(run.name, run.frame.index.to_numpy(), columns, run.experiment.points)
     own = system.report.pictures if system.report else ()
     pictures = _pictures(first, [p for p in own if not missing(p, system.fmus)], columns)

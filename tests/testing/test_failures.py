@@ -155,6 +155,52 @@ def test_what_a_test_looks_at_is_drawn_first(tmp_path):
     assert everything.needs() == list(columns)
 
 
+EXPRESSIONS = """
+def test_truth(system):
+    with system("tracker.ssp") as s:
+        s.require("abs(lag.y - truth.y) <= 1 m", id="E", percent=90, when="truth.y > 0 m")
+        s.run(20, seed=1)
+
+def test_events(system):
+    with system("tracker.ssp") as s:
+        s.require(events="sensor.reading.length > 5 m", at_most=2, id="N")
+        s.run(20, seed=1)
+
+def test_between(system):
+    with system("tracker.ssp") as s:
+        s.require("lag.y", at_most=9.8)
+        s.run(20, seed=1, record_period=5)
+
+def test_between_later(system):
+    with system("tracker.ssp") as s:
+        s.run(20, seed=1, record=["estimator.sigma"], record_period=5)
+        s.require("lag.y", at_most=9.8)
+"""
+
+
+def test_requirements_on_expressions_events_and_times_that_are_not_recorded(folder):
+    """All of them against the recording at every step that one of them leaves behind."""
+    ended = folder.pytest(EXPRESSIONS)
+    frame = kept(ended, "test_events")
+    other = kept(ended, "test_truth")
+    asked = other[other["truth.y"] > 0]
+    inside = (asked["lag.y"] - asked["truth.y"]).abs() <= 1
+    told = ended.of("test_truth")
+    assert f"violated: inside for {np.floor(1000 * inside.mean()) / 10} % of the time, first outside at t = " in told
+    assert f"at t = {inside.idxmin():g} s, main variant" in told and "worst" not in told
+    above = frame["sensor.reading.length"] > 5
+    rises = above & ~above.shift(fill_value=False)
+    sentence = f"violated: {rises.sum()} times, first at t = {rises.idxmax():g} s, main variant"
+    assert rises.sum() > 2 and sentence in ended.of("test_events")
+    value = other["lag.y"]
+    assert value[::50].max() < 9.8 < value.max()
+    sentence = (
+        f"first outside at t = {(value > 9.8).idxmax():g} s, worst {value.max():.4g} m at t = {value.idxmax():g} s"
+    )
+    for test in ("test_between", "test_between_later"):
+        assert sentence in ended.of(test)
+
+
 def test_nothing_is_kept_of_tests_that_pass_or_are_expected_to_fail(folder):
     ended = folder.pytest(
         """
