@@ -30,6 +30,8 @@ def check_target(system: System, target: str) -> None:
 
 
 def _usual(system: System, target: str) -> str:
+    if isinstance(target, str) and target in system.fmus:
+        raise _nothing_usual(target, "a component")
     found = _variables(system, target)
     component, rest = names.split(target)
     what, variability = found[0].causality, found[0].variability
@@ -47,7 +49,11 @@ def _usual(system: System, target: str) -> str:
             f"start: s.parameters['{target}'] = ..."
         )
     kind = f"{'an' if what[0] in 'aeiou' else 'a'} {what}" + (f", connected to '{source}'" if source else "")
-    raise NavfmuError(
+    raise _nothing_usual(target, kind)
+
+
+def _nothing_usual(target: str, kind: str) -> NavfmuError:
+    return NavfmuError(
         f"fault('{target}'): it is {kind}; say what happens to it: fault('{target}', TYPE, ...) with one of "
         f"{', '.join(TYPES)}"
     )

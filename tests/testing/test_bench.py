@@ -62,6 +62,13 @@ def test_one_receiver_of_a_signal_gets_another(system):
     assert (r["lag.y"] == 0.0).all() and r["truth.y"].abs().max() > 5
 
 
+def test_a_component_loses_steps(system):
+    with system("tracker.ssp") as s:
+        s.fault("lag", "lost_step", at=3, duration=1)
+        r = s.run(5)
+    assert r["lag.y"][3.05:3.95].nunique() == 1 < r["lag.y"][4.05:].nunique()
+
+
 def test_types_of_a_fault_file_and_its_entries(system):
     with system("tracker.ssp") as s:
         s.fault("sensor.reading.length", "bias", at=2, value="1 ft", id="B", fmea="F1")
@@ -172,6 +179,10 @@ def test_component(system):
 def test_variable(system):
     with system("tracker.ssp") as s:
         s.fault("lag.bais", at=1)
+
+def test_whole(system):
+    with system("tracker.ssp") as s:
+        s.fault("lag", at=1)
 
 def test_output(system):
     with system("tracker.ssp") as s:
@@ -311,6 +322,7 @@ def test_without_with(system):
 SENTENCES = {
     "component": "there is no component 'lagg'; did you mean 'lag'?",
     "variable": "fault('lag.bais'): component 'lag' has no variable 'bais'; did you mean 'bias'?",
+    "whole": "fault('lag'): it is a component; say what happens to it",
     "output": "fault('lag.y'): it is an output; say what happens to it",
     "connected": "fault('lag.u'): it is an input, connected to 'truth.y'",
     "fixed": "fault('lag.y0'): a fixed parameter keeps its value during a run; give it another from the start: ",
