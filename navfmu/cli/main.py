@@ -14,6 +14,7 @@ from navfmu.terminal import interrupt, refusal
 COMMANDS = {  # command -> module, and its line in the list of commands
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
+    "faults": ("navfmu.cli.faults", "Show what in a system can fail, and how."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
     "plot": ("navfmu.cli.plot", "Draw signals of a recording."),

@@ -132,6 +132,9 @@ def _ordered(fault: Fault, effects: list[Effect]) -> list[Effect]:
 
 def _swap(fault: Fault, found: Sequence[Element]) -> list[Effect]:
     order = fault.parameters["order"]
+    if len(found) == 1:
+        name = ".".join(found[0].key)
+        raise fault.error(f"'{name}' is one element, which has nothing to change places with", "target")
     if len(order) != len(found):
         raise fault.error(f"'order' has {len(order)} places, the target has {len(found)} elements", "order")
     units = {element.variable.unit or "" for element in found}

@@ -1,5 +1,7 @@
 """What a target does not support is an error, never a fault that silently does nothing."""
 
+import json
+
 import pytest
 
 from navfmu.engine.link import Link
@@ -73,7 +75,7 @@ def plan(target, kind, start=0.0, duration="inf", **parameters):
         ("a.y", "delay", {"delay": -1}, "'delay' must be a time in s, 0 or longer, not -1"),
         ("a.y", "delay", {"delay": 1, "jiter": 1}, "unknown entry 'jiter'; did you mean 'jitter'"),
         ("a.y", "slow", {"period": '"1 m"'}, "'m' is no unit of time"),
-        ("a.y", "swap", {"order": "[2, 1]"}, "'order' has 2 places, the target has 1 elements"),
+        ("a.y", "swap", {"order": "[2, 1]"}, "'a.y' is one element, which has nothing to change places with"),
         ("a.y", "swap", {"order": "[1, 1]"}, "'order' must have each of the places 1, 2, ... once"),
         ("a.y", "swap", {"order": "[0]"}, "'order' must have each of the places 1, 2, ... once"),
     ],
@@ -93,7 +95,7 @@ def both(*faults):
 
 
 def fault(name, target, kind, **parameters):
-    lines = [f'[[fault]]\nid = "{name}"\ntarget = "{target}"\ntype = "{kind}"\n']
+    lines = [f'[[fault]]\nid = "{name}"\ntarget = {json.dumps(target)}\ntype = "{kind}"\n']
     return "".join([*lines, *(f"{key} = {value}\n" for key, value in parameters.items())])
 
 
@@ -110,7 +112,7 @@ def fault(name, target, kind, **parameters):
         ("a.y", "bias", {"value": 0}, "adds 0"),
         ("a.y", "spike", {"value": 0}, "adds 0"),
         ("a.y", "scale", {"factor": 1}, "multiplies by 1"),
-        ("a.y", "swap", {"order": "[1]"}, "leaves every element in its place"),
+        (["a.y", "a.seen"], "swap", {"order": "[1, 2]"}, "leaves every element in its place"),
         ("a.y", "drift", {"rate": 0.0}, "adds 0"),
         ("a.y", "noise", {"sigma": 0, "period": 1}, "adds 0"),
         ("a.gain", "parameter", {"value": 1}, "sets 'a.gain' to 1, which it is anyway"),

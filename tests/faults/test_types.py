@@ -205,6 +205,11 @@ def test_elements_change_places_at_the_same_time(order, interpolates, algorithm)
     np.testing.assert_allclose(recording["lag.y"], expected, rtol=1e-13)
 
 
+def test_each_element_has_a_place():
+    with pytest.raises(Exception, match="'order' has 3 places, the target has 2 elements"):
+        run(fault("swap", ["source.y", "source.seen"], order=[2, 1, 3]))
+
+
 def test_elements_of_two_components_cannot_change_places():
     with pytest.raises(Exception, match="elements of a swap must come from one component, not from 'source', 'lag'"):
         run(fault("swap", ["source.y", "lag.y"], order=[2, 1]))
