@@ -66,18 +66,28 @@ def violation(outcome: Outcome, cell: Cell) -> str:
 
 def _seen(requirement: Requirement, finding: Finding) -> str:
     """What one run shows: "inside for 88.2 % of the time, first violated at t = 1412.3 s, worst 1403 m at ..."."""
-    words = [f"inside for {percent(finding.percent)} of the time"]
+    if requirement.events:
+        words = [f"{finding.worst:g} times"]
+    else:
+        words = [f"inside for {percent(finding.percent)} of the time"]
     if finding.first_violation is not None:
-        words.append(f"first violated at t = {finding.first_violation:.9g} s")
-    if finding.reached:
-        words.append(f"worst {told(requirement, finding.worst)} at t = {finding.worst_time:.9g} s")
-        excess = float(requirement.excess(np.array([finding.worst]))[0])
-        if 0 < excess < math.inf:
-            unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
-            words[-1] += f" ({excess:.4g}{unit} beyond the bound)"
+        words.append(f"first {'' if requirement.events else 'violated '}at t = {finding.first_violation:.9g} s")
+    if finding.reached and not requirement.events and not requirement.truth:
+        words.append(_worst(requirement, finding))
     if finding.missing:
         words.append(f"{finding.missing} points were not reached")
     return ", ".join(words)
+
+
+def _worst(requirement: Requirement, finding: Finding) -> str:
+    """By how much."""
+    when = f"at t = {finding.worst_time:.9g} s"
+    if not math.isfinite(finding.worst):
+        return f"not finite {when}"
+    excess = float(requirement.excess(np.array([finding.worst]))[0])
+    unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
+    beyond = f" ({excess:.4g}{unit} beyond the bound)" if excess > 0 else ""
+    return f"worst {told(requirement, finding.worst)} {when}{beyond}"
 
 
 def _wrong(outcome: Outcome) -> dict[tuple[str, str], list[str]]:

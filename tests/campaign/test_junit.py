@@ -163,6 +163,16 @@ def test_a_run_that_ends_with_an_error_is_one(tmp_path, monkeypatch):
     assert "1 ended with an error" in held[0].get("message") and "seed 2: component 'lag'" in held[0].text
 
 
+def test_events_are_counted_and_what_is_no_bound_has_no_worst_value(tmp_path):
+    """The source is 10 sin(t / 5 s): below 1 m up to 0.501 s, at 6 of 21 points, and above it up to the end at 2 s."""
+    text = CASES + '\n[[requirement]]\nid = "E"\nevents = "truth.y > 1 m"\nat_most = 0\n'
+    text += '\n[[requirement]]\nid = "T"\nsignal = "truth.y < 1 m"\n'
+    cases = {case.get("name")[0]: case for case in junit(tmp_path, text)[0] if "nominal" in case.get("classname")}
+    said = {name: case[0].text.split("\n")[2] for name, case in cases.items()}
+    assert said["E"] == "seed 1: 1 times, first at t = 0.6 s"
+    assert said["T"] == "seed 1: inside for 28.5 % of the time, first violated at t = 0.6 s"
+
+
 def test_names_with_points_make_no_further_levels(tmp_path):
     text = CASES + '\n[[axis]]\nvary = "fault.D.rate"\nvalues = [0.25]\n' + REQUIREMENTS
     names = {case.get("classname") for case in junit(tmp_path, text)[0]}
