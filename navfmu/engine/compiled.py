@@ -372,6 +372,8 @@ class Compiled:
             turned=self._keep(np.zeros(count), np.float64),
             trigger=self._keep(plan.triggers.copy(), TRIGGER, changes=True),
             triggers=len(plan.triggers),
+            acting=self._keep(np.zeros(len(plan.triggers)), np.int32, changes=True),
+            faults=len(plan.fault_ids),
             window=self._keep(plan.windows, WINDOW),
             monitor=self._keep(self._monitors, MONITOR, changes=True),
             monitors=len(plan.monitors),

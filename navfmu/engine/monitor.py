@@ -156,16 +156,20 @@ Place = Callable[[Source], tuple[int, float, float]]  # of a signal: its place, 
 
 
 def tables(
-    monitors: Sequence[Monitor], programs: Sequence[tuple[Program, Program | None]], place: Place, clock: Clock
+    monitors: Sequence[Monitor],
+    programs: Sequence[tuple[Program, Program | None]],
+    place: Place,
+    clock: Clock,
+    faults: Sequence[str] = (),
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of monitors and of their operations."""
+    """The rows of monitors and of their operations; ``faults`` are the ids of those of the run."""
     rows, operations = np.zeros(len(monitors), MONITOR), []
     for row, monitor, (value, when) in zip(rows, monitors, programs, strict=True):
         row["first_operation"] = len(operations)
-        operations += _placed(value, place)
+        operations += _placed(value, place, faults)
         row["first_when"] = row["operations"] = len(operations)
         row["operations"] -= row["first_operation"]
-        operations += _placed(when, place) if when else []
+        operations += _placed(when, place, faults) if when else []
         row["whens"] = len(operations) - row["first_when"]
         row["least"], row["most"] = monitor.bounds(value)
         row["begin"] = clock.index(monitor.begin)
@@ -180,7 +184,7 @@ def tables(
     return rows, table
 
 
-def _placed(program: Program, place: Place) -> list[tuple[int, int, float]]:
+def _placed(program: Program, place: Place, faults: Sequence[str]) -> list[tuple[int, int, float]]:
     """Operations on the signals of a plan; what is scaled on its way to an input is scaled here, too."""
     rows: list[tuple[int, int, float]] = []
     for op, argument in program.operations:
@@ -189,28 +193,31 @@ def _placed(program: Program, place: Place) -> list[tuple[int, int, float]]:
             rows.append((op, slot, 0.0))
             if (factor, offset) != (1.0, 0.0):
                 rows += [(Op.CONSTANT, 0, factor), (Op.MULTIPLY, 0, 0.0), (Op.CONSTANT, 0, offset), (Op.PLUS, 0, 0.0)]
+        elif op == Op.ACTIVE and argument >= 0:
+            fault = program.faults[int(argument)]  # one that the run does not have does not act
+            rows.append((op, faults.index(fault), 0.0) if fault in faults else (Op.CONSTANT, 0, 0.0))
         else:
-            rows.append((op, 0, argument if op == Op.CONSTANT else 0.0))
+            rows.append((op, -1 if op == Op.ACTIVE else 0, argument if op == Op.CONSTANT else 0.0))
     return rows
 
 
 class Observer:
     """A monitor in Python: the reference for ``source/monitor.h``."""
 
-    def __init__(self, row: np.void, operations: np.ndarray) -> None:
+    def __init__(self, row: np.void, operations: np.ndarray, faults: Sequence[str] = ()) -> None:
         self.row = row.copy()
-        self._value = _program(operations, row["first_operation"], row["operations"])
-        self._when = _program(operations, row["first_when"], row["whens"]) if row["whens"] else None
+        self._value = _program(operations, row["first_operation"], row["operations"], faults)
+        self._when = _program(operations, row["first_when"], row["whens"], faults) if row["whens"] else None
 
-    def observe(self, signals: Sequence[float], k: int, t: float) -> None:
-        """Look at communication point ``k``, at the time ``t`` (s)."""
+    def observe(self, signals: Sequence[float], k: int, t: float, active: Mapping[str, bool] | None = None) -> None:
+        """Look at communication point ``k``, at the time ``t`` (s); ``active`` are faults, and "" any of them."""
         row = self.row
         if not row["begin"] <= k <= row["end"]:
             return
-        if self._when is not None and self._when.value(signals, t) == 0.0:
+        if self._when is not None and self._when.value(signals, t, active) == 0.0:
             row["row"] = 0
             return
-        value = float(self._value.value(signals, t))
+        value = float(self._value.value(signals, t, active))
         least, most = float(row["least"]), float(row["most"])
         excess = math.inf if math.isnan(value) else max(least - value, value - most)
         row["points"] += 1
@@ -250,8 +257,10 @@ class Observer:
         self.row = state.copy()
 
 
-def _program(operations: np.ndarray, first: int, count: int) -> Program:
-    """A program whose sources are the signals of the plan."""
+def _program(operations: np.ndarray, first: int, count: int, faults: Sequence[str]) -> Program:
+    """A program whose sources are the signals of the plan, and whose faults are those of the run."""
     rows = operations[first : first + count].tolist()
     loads = (Op.LOAD_SIGNAL, Op.ACTIVE)
-    return Program("", tuple((Op(k), float(p) if k in loads else n) for k, p, n in rows), (), (), False, None)
+    return Program(
+        "", tuple((Op(k), float(p) if k in loads else n) for k, p, n in rows), (), tuple(faults), False, None
+    )

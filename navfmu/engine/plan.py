@@ -124,7 +124,8 @@ class Plan:
     reach: np.ndarray  # int32: signals, as effects name them
     memory: np.ndarray  # float64: what effects and echoes remember before the run
     readers: np.ndarray  # int32: who sees each signal
-    triggers: np.ndarray  # TRIGGER: one for each fault
+    triggers: np.ndarray  # TRIGGER: one for each fault, in their order
+    fault_ids: tuple[str, ...]
     windows: np.ndarray  # WINDOW
     losses: np.ndarray  # LOSS: by component
     begins: tuple[int, ...]  # communication point at which each effect begins, then each loss
@@ -243,7 +244,8 @@ def make_plan(
         on_its_own = column.true and signals[column.slot] in faulted
         return column.slot + (len(signals) if on_its_own else 0), column.factor, column.offset
 
-    monitor_table, operations = monitor_tables(monitors, programs, place, clock)
+    ids = tuple(fault.id for fault in faults)
+    monitor_table, operations = monitor_tables(monitors, programs, place, clock, ids)
     initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect, first_loss = [], 0, 0
     for component in components:
@@ -270,6 +272,7 @@ def make_plan(
         memory=effect_tables.memory,
         readers=np.array([readers.get(key, 0) for key in signals], np.int32),
         triggers=triggers,
+        fault_ids=ids,
         windows=window_table,
         losses=loss.table(losses, list(by_name)),
         begins=tuple(begin(windows[one.trigger]) for one in (*ordered, *losses)),

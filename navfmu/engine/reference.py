@@ -108,7 +108,7 @@ class Reference:
         self._triggers = [Trigger.of(row, plan.windows) for row in plan.triggers]
         self._injectors = [self._injector(part.first_effect, part.first_effect + part.effects) for part in plan.parts]
         self._driver = self._injector(plan.first_driven_effect, len(plan.effects))
-        self._observers = [Observer(row, plan.operations) for row in plan.monitors]
+        self._observers = [Observer(row, plan.operations, plan.fault_ids) for row in plan.monitors]
         self._behind = [0] * len(plan.parts)  # steps that each has lost and not made up for
         self._lost_at = plan.losses["seen"].tolist()
         self._logs = (Log * len(plan.parts))()
@@ -401,8 +401,10 @@ class Reference:
 
     def _observe(self) -> None:
         signals = [*self.values, *self.truth]
+        acting = [trigger.now.acts for trigger in self._triggers[: len(self.plan.fault_ids)]]
+        active = dict(zip(self.plan.fault_ids, acting, strict=True)) | {"": any(acting)}
         for observer in self._observers:
-            observer.observe(signals, self.k, self.plan.clock.time(self.k))
+            observer.observe(signals, self.k, self.plan.clock.time(self.k), active)
 
     # ---- states ------------------------------------------------------------------------------------------------------
 

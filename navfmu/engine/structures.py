@@ -132,10 +132,11 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "window", "effect", "echo")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "acting")),
+        *((name, c_void_p) for name in ("window", "effect", "echo")),
         *((name, c_void_p) for name in ("loss", "behind", "reach", "readers", "memory", "without", "turned")),
         *((name, c_void_p) for name in ("monitor", "operation", "signal")),
-        *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers")),
+        *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers", "faults")),
         *((name, c_int32) for name in ("first_driven", "driven")),
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),

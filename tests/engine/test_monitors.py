@@ -103,6 +103,30 @@ def test_an_input_is_what_its_source_sends_with_what_scales_it():
     assert seen.outside == 2  # 3 0.9^k - 0.5 > 2
 
 
+@ALGORITHMS
+def test_whether_a_fault_acts_can_be_asked(algorithm):
+    """At the points 3 to 5 and from 8 on; a connected input as target has a trigger of the engine's own beside it."""
+    first = Fault("first one", "lag0.y", "bias", 0.3, 0.3, value=1.0)
+    second = Fault("second", "lag1.u", "bias", 0.8, value=1.0)
+    seen = simulate(
+        chain(2, start=1.0),
+        algorithm=algorithm,
+        faults=[first, second],
+        monitors=[
+            Monitor("one", "not active('first one')"),
+            Monitor("two", "not active(second)"),
+            Monitor("any", "not active()"),
+            Monitor("other", "not active(elsewhere)"),
+            Monitor("while", "false", when="active() and not active(second)"),
+        ],
+        record=["lag1.y"],
+        step=0.1,
+        stop=1.0,
+    ).observed
+    assert [seen[name].outside for name in ("one", "two", "any", "other", "while")] == [3, 3, 6, 0, 3]
+    assert (seen["any"].episodes, seen["one"].first_outside, seen["two"].first_outside) == (2, 0.3, 0.8)
+
+
 def test_no_number_is_outside_of_every_bound():
     seen = decay(Monitor("m", "sqrt(lag0.y - 0.5)"))["m"]  # 0.9^7 is below 0.5
     assert (seen.points, seen.not_finite, seen.outside) == (101, 94, 94)

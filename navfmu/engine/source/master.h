@@ -174,6 +174,7 @@ typedef struct {
     const int32_t *order;         /* in which they step in Gauss-Seidel */
     const Move *move;             /* how the values of t = 0 come about */
     Trigger *trigger;
+    int32_t *acting;              /* whether each trigger acts at the point to which it was moved */
     const Window *window;
     Effect *effect;
     const Echo *echo;
@@ -188,6 +189,7 @@ typedef struct {
     const Operation *operation;   /* of all programs */
     double *signal;               /* the values that left, then the true ones, then those ahead */
     int32_t components, moves, signals, monitors, triggers;
+    int32_t faults;               /* the first triggers are theirs */
     int32_t first_driven, driven; /* driven signals are the last ones */
     int32_t first_driven_effect, driven_effects;
     int32_t algorithm;            /* 0 Jacobi, 1 Gauss-Seidel */

@@ -5,7 +5,7 @@
 #include "master.h"
 
 static inline double program(const Master *m, int32_t first, int32_t count, double t) {
-    return value_of(m->operation + first, count, m->signal, t, NULL, 0);
+    return value_of(m->operation + first, count, m->signal, t, m->acting, m->faults);
 }
 
 /* A point outside of the bounds: it counts once more of them follow one another than are put up with. */

@@ -21,6 +21,7 @@ static inline void move_triggers(Master *m, int64_t k) {
         switch (t->kind) {
         case LISTED: follow_list(m, t, k); break;
         }
+        m->acting[t - m->trigger] = t->now.acts;
     }
 }
 
