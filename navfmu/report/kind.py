@@ -14,11 +14,17 @@ from typing import Any, ClassVar
 
 from navfmu.errors import NavfmuError
 from navfmu.files.schema import Field, Table
+from navfmu.report.panel import Panel
 from navfmu.report.scene import Bound, Drawn, Recorded, Scene
 
 
 class Kind(Table):
-    """What pictures and statistics have in common."""
+    """What the entries of a report file have in common."""
+
+    @property
+    def called(self) -> str:
+        """What a sentence calls it: its kind."""
+        return self.kind  # type: ignore[attr-defined]
 
     def needs(self) -> list[str]:
         """The recorded signals that it is made from."""
@@ -39,6 +45,10 @@ class Picture(Kind):
 
     def draw(self, scene: Scene) -> Drawn:
         """The picture; the scene has all its signals and constants."""
+        raise NotImplementedError
+
+    def panels(self, scene: Scene) -> list[Panel]:
+        """The shown run as a browser draws it on demand."""
         raise NotImplementedError
 
 

@@ -80,6 +80,15 @@ class Bound:
 
 
 @dataclass(frozen=True)
+class Event:
+    """Something that happens at one time (s) in a run: a fault begins, it is noticed, a requirement is violated."""
+
+    kind: str  # "fault", "notice" or "violation"
+    name: str
+    time: float
+
+
+@dataclass(frozen=True)
 class Scene:
     """The runs of one variant in one case, or a single one."""
 
@@ -90,6 +99,7 @@ class Scene:
     windows: tuple[Window, ...] = ()
     bounds: tuple[Bound, ...] = ()
     constants: Mapping[str, Any] = field(default_factory=dict)  # start values; lists for arrays
+    events: tuple[Event, ...] = ()  # of the run that is shown
 
     def titled(self, text: str) -> str:
         """A title with the label in front."""

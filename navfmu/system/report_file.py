@@ -25,6 +25,7 @@ from navfmu.fmi import names
 from navfmu.fmi.description import Variable
 from navfmu.report import pictures, statistics
 from navfmu.report.kind import Kind, Picture, Statistic, kinds
+from navfmu.report.notice import Notice
 from navfmu.system.default_record import Fmus, default_record, unknown
 
 PICTURES: dict[str, type[Picture]] = kinds(pictures, "Picture")
@@ -42,6 +43,7 @@ class Content(Table):
     record: Texts = Field([], description="components, bundles or signals that are recorded when nothing is named")
     picture: list[_one_of(PICTURES)] = Field([], description="pictures, in the order of the report")
     statistic: list[_one_of(STATISTICS)] = Field([], description="statistics of campaigns")
+    notice: list[Notice] = Field([], description="signals that say that the system has noticed something")
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class ReportFile:
 
     pictures: tuple[Picture, ...]
     statistics: tuple[Statistic, ...]
+    notices: tuple[Notice, ...] = ()
 
     @classmethod
     def of(cls, document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus]] = tuple) -> ReportFile:
@@ -61,27 +64,28 @@ class ReportFile:
             _check_kinds(document, entry, classes)
         content = validated(document, Content)
         default_record(document, fmus, others)
-        made = cls(tuple(content.picture), tuple(content.statistic))
+        made = cls(tuple(content.picture), tuple(content.statistic), tuple(content.notice))
         made._check(document, fmus, others)
         return made
 
     def signals(self, fmus: Fmus) -> list[str]:
-        """What the pictures and statistics need that can be made of the variant with these FMUs."""
-        entries = (*self.pictures, *self.statistics)
+        """What pictures, statistics and notices need that can be made of the variant with these FMUs."""
+        entries = (*self.pictures, *self.statistics, *self.notices)
         return list(dict.fromkeys(name for e in entries if not missing(e, fmus) for name in e.needs()))
 
     def _check(self, document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus]]) -> None:
-        for kind, entries in (("picture", self.pictures), ("statistic", self.statistics)):
+        every = (("picture", self.pictures), ("statistic", self.statistics), ("notice", self.notices))
+        for kind, entries in every:
             for number, entry in enumerate(entries):
                 for name in missing(entry, fmus):
                     if not any(_found(name, other, name in entry.constants()) for other in others()):
                         place = _place(document.content[kind][number], name, (kind, number))
-                        raise document.error(f"{kind} '{entry.kind}': {unknown(name, fmus)}", *place)
+                        raise document.error(f"{kind} '{entry.called}': {unknown(name, fmus)}", *place)
                 if not missing(entry, fmus):
                     try:
                         entry.check(units(entry, fmus))
                     except NavfmuError as error:
-                        raise document.error(f"{kind} '{entry.kind}': {error}", kind, number) from None
+                        raise document.error(f"{kind} '{entry.called}': {error}", kind, number) from None
         titles = [statistic.name for statistic in self.statistics]
         for number, name in enumerate(titles):
             if titles.count(name) > 1:

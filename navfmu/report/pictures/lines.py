@@ -14,6 +14,7 @@ from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import drawn, remark
 from navfmu.report.kind import Picture as Base
+from navfmu.report.panel import Curve, Panel
 from navfmu.report.scene import Drawn, Scene, early, with_unit
 
 STYLES = ("-", "--")
@@ -41,6 +42,23 @@ class Picture(Base):
         said = [f"Not finite at some points: {', '.join(missing)}."] if missing else []
         said += [f"The run {ended}."] if (ended := early([scene.shown])) else []
         return Drawn(draw(scene, self.signals, heading), heading, " ".join(said))
+
+    def panels(self, scene: Scene) -> list[Panel]:
+        run, found = scene.shown, []
+        for unit, names in arrange(scene, self.signals):
+            curves = tuple(
+                Curve(
+                    _label(scene, name).replace("\n", ", "),
+                    run.time,
+                    run[name],
+                    "line" if run.signals[name].dtype.kind == "f" else "steps",
+                    COLOURS[number % len(COLOURS)],
+                )
+                for number, name in enumerate(names)
+            )
+            title = ", ".join(names) if len(names) <= 3 else f"{len(names)} signals"
+            found.append(Panel(title, "time, s", unit, curves))
+        return found
 
 
 def draw(scene: Scene, signals: Sequence[str], heading: str) -> bytes:

@@ -14,6 +14,7 @@ from navfmu.report import shading
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import drawn, extremes, remark
 from navfmu.report.kind import Picture as Base
+from navfmu.report.panel import Curve, Panel, constant
 from navfmu.report.scene import Bound, Drawn, Scene, early, readable, whole, with_unit, words
 
 LEGEND = 0.19  # inch for each row of the legend
@@ -64,6 +65,20 @@ class Picture(Base):
                 axis.set_xlim(time[0], time[-1])
             axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=COLUMNS)
             return Drawn(png(drawing), heading, self._caption(scene, values, unit, missing, ended))
+
+    def panels(self, scene: Scene) -> list[Panel]:
+        run, unit = scene.shown, scene.unit(self.signal)
+        least, greatest = extremes(run[self.signal])
+        range_ = f": {with_unit(f'{readable(least)} to {readable(greatest)}', unit)}" if math.isfinite(least) else ""
+        said = "".join(f"; {text.upper()}" for text in (remark([run[self.signal]]), early([run])) if text)
+        look = "line" if run.signals[self.signal].dtype.kind == "f" else "steps"
+        curves = [Curve(words(self.signal), run.time, run[self.signal], look, COLOURS[0], peaks=True)]
+        bounds = _distinct([bound for bound in scene.bounds if bound.signal == self.signal])
+        for colour, (text, level, start, end) in zip(cycle(COLOURS[1:]), bounds, strict=False):
+            if start <= run.points[-1]:
+                curves.append(constant(text, level, max(start, run.points[0]), min(end, run.points[-1]), colour))
+        axis = f"{words(self.signal)}, {unit or '1'}"
+        return [Panel(f"{self.signal}{range_}{said}", "time, s", axis, tuple(curves))]
 
     def _spread(self, axis: Any, time: np.ndarray, values: np.ndarray) -> None:
         """Percentiles are runs that were flown, at or beyond the share: nothing between two runs is made up."""

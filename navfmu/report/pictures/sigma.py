@@ -13,6 +13,7 @@ from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu.report.finite import drawn, remark
 from navfmu.report.kind import Picture as Base
 from navfmu.report.kind import same_unit
+from navfmu.report.panel import Curve, Panel
 from navfmu.report.scene import Drawn, Recorded, Scene, early
 
 PANEL = 2.25  # inch
@@ -77,6 +78,24 @@ class Picture(Base):
         if ended := early(scene.runs):
             left_out += f" {ended if len(scene.runs) > 1 else f'The run {ended}'}; what was not reached does not count."
         return Drawn(image, scene.titled(text), f"{shown}What is not a finite number counts as outside.{left_out}")
+
+    def panels(self, scene: Scene) -> list[Panel]:
+        run = scene.shown
+        ended = f"; {said.upper()}" if (said := early([run])) else ""
+        return [
+            Panel(
+                self._sentence(axis, [run]) + ended,
+                "time, s",
+                f"{axis.name} error, {scene.unit(axis.error) or '1'}",
+                (
+                    Curve(
+                        f"{self.factor:g} sigma claimed", run.time, self.factor * run[axis.sigma], "band", COLOURS[2]
+                    ),
+                    Curve(f"{axis.name} error", run.time, run[axis.error], "line", COLOURS[1], peaks=True),
+                ),
+            )
+            for axis in self.axes
+        ]
 
     def _sentence(self, axis: Axis, runs: Sequence[Recorded]) -> str:
         """What the data says: "north error inside 3 sigma for 99.8 % of 8400 points of 4 runs"."""

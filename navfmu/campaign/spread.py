@@ -1,0 +1,97 @@
+"""Pictures over all runs of a campaign: how far they are from what is asked, and how that changes along its axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from navfmu.campaign.story import Story
+from navfmu.report.along import Points, along
+from navfmu.report.scene import Drawn
+from navfmu.report.strips import Strip, strips
+
+ROWS = 40  # strips in a picture: of the groups in which the fewest runs hold
+MANY = 8  # pictures along axes
+
+CROSS = "a dot is a run that is as it should be, a cross one that is not; dashed: what is asked"
+
+
+def spread(story: Story) -> Iterator[Drawn]:
+    """For each requirement on a signal the worst value of each run, by variant and case."""
+    for number, requirement in enumerate(story["requirements"]):
+        groups = sorted(
+            (group for group in story["groups"] if group["cells"][number] is not None),
+            key=lambda group: group["cells"][number]["rank"],
+        )
+        found = []
+        for group in groups:
+            findings = _findings(story, group, number)
+            if findings:
+                label = f"{group['variant']}, {story['cases'][group['case']]['name']}"
+                values, held = zip(*((f["worst"], f["held"]) for f in findings), strict=True)
+                found.append(Strip(label, values, held))
+        if not found or not _worth(requirement, [value for strip in found for value in strip.values]):
+            continue
+        runs, bad = sum(len(s.held) for s in found), sum(s.held.count(False) for s in found)
+        heading = f"{requirement['id']}: {requirement['signal']} of {runs} runs at its worst time, {bad} not as asked"
+        shown = found[:ROWS]
+        rest = f"; the {len(found) - ROWS} combinations in which most runs hold are left out" if found[ROWS:] else ""
+        bounds = _bounds(requirement)
+        yield strips(heading, "worst value", requirement["unit"], shown, bounds, f"{_capital(CROSS)}{rest}.")
+
+
+def sweeps(story: Story) -> Iterator[Drawn]:
+    """For each axis with numbers and each requirement on a signal the worst value of each run along the axis."""
+    count = 0
+    for axis, heading in enumerate(story["axes"]):
+        for number, requirement in enumerate(story["requirements"]):
+            groups: dict[str, list[tuple[float, float, bool]]] = {}
+            for run in story["runs"]:
+                place, finding = run["values"][axis], run["findings"][number]
+                if _is_number(place) and finding is not None and finding["worst"] is not None:
+                    groups.setdefault(run["variant"], []).append((place, finding["worst"], finding["held"]))
+            every = [point for points in groups.values() for point in points]
+            if len({place for place, _, _ in every}) < 2 or not _worth(requirement, [v for _, v, _ in every]):
+                continue
+            count += 1
+            if count > MANY:
+                return
+            yield along(
+                _along_heading(requirement, heading, every),
+                heading,
+                f"worst {requirement['signal'].rpartition('.')[2].replace('_', ' ')}",
+                requirement["unit"],
+                {name: Points(*zip(*sorted(points), strict=True)) for name, points in groups.items()},
+                _bounds(requirement),
+                f"{len(every)} runs; {CROSS}.",
+            )
+
+
+def _along_heading(requirement: dict[str, Any], axis: str, points: list[tuple[float, float, bool]]) -> str:
+    """What is to be seen: where the first run is not as it should be, and up to where one is."""
+    bad, good = [p for p, _, held in points if not held], [p for p, _, held in points if held]
+    seen = [f"not as asked from {min(bad):.4g} to {max(bad):.4g}"] if bad else ["all as asked"]
+    seen += [f"as asked from {min(good):.4g} to {max(good):.4g}"] if bad and good else []
+    return f"{requirement['id']} along {axis}: {', '.join(seen)}"
+
+
+def _findings(story: Story, group: dict[str, Any], number: int) -> list[dict[str, Any]]:
+    found = (story["runs"][run]["findings"][number] for run in group["runs"])
+    return [finding for finding in found if finding is not None and finding["worst"] is not None]
+
+
+def _worth(requirement: dict[str, Any], values: list[float]) -> bool:
+    """Whether there is more to see than false and true."""
+    return bool(requirement["unit"]) or len(set(values)) > 2
+
+
+def _bounds(requirement: dict[str, Any]) -> list[float]:
+    return [bound for bound in requirement["bounds"] if bound is not None]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
