@@ -21,7 +21,7 @@ from navfmu.system.scene import scene_of
 LIMIT = 16_000_000  # letters of all packed runs in one page: what a mail still carries
 MOST = 100  # stretches of a run whose peaks are kept, of which there are fewer in a page with more runs
 LEAST = 20
-SHARED = 150_000  # stretches for all runs
+SHARED = 110_000  # stretches for all runs
 REPEATED = 12  # times a notice is marked in one run
 
 

@@ -38,7 +38,6 @@ def story(outcome: Outcome, draw: Draw) -> Story:
         "variants": list(campaign.systems),
         "components": {variant: list(system.fmus) for variant, system in campaign.systems.items()},
         "seeds": seeds_text(campaign.seeds),
-        "seed_count": len(campaign.seeds),
         "stop": campaign.stop,
         "steps": list(campaign.steps),
         "algorithm": campaign.algorithm,
@@ -56,7 +55,6 @@ def story(outcome: Outcome, draw: Draw) -> Story:
         "runs": [
             _run(outcome, judged, picture, list(notes)) for judged, picture in zip(outcome.every, pictures, strict=True)
         ],
-        "searched_from": len(outcome.runs),
         "noticing": sorted(
             {notice.label for system in campaign.systems.values() if system.report for notice in system.report.notices}
         ),

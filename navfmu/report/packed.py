@@ -94,8 +94,8 @@ def _encoded(values: np.ndarray) -> tuple[list[float], bytes]:
     some = np.clip(values[finite], -1e300, 1e300)
     low, high = (float(some.min()), float(some.max())) if some.size else (0.0, 0.0)
     whole = bool(np.all(some == np.rint(some))) and high - low <= 2 * LARGEST
-    step = 1.0 if whole else (high / (2 * LARGEST) - low / (2 * LARGEST)) or 1.0
-    offset = low + LARGEST * step
+    step = 1.0 if whole else high / (2 * LARGEST) - low / (2 * LARGEST)
+    offset, step = (low + LARGEST * step, step) if step > 0 else (low, 1.0)
     numbers = np.full(len(values), NONE, np.int32)
     numbers[finite] = np.clip(np.rint((some - offset) / step), -LARGEST, LARGEST)
     differences = np.diff(numbers, prepend=0).astype(np.uint16)

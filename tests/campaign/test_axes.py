@@ -247,7 +247,7 @@ def test_a_matrix_of_many_cases_has_a_row_for_each_case_of_the_file(tmp_path, mo
     from navfmu.campaign.show import show
 
     monkeypatch.setattr("navfmu.campaign.show.ROWS", rows)
-    monkeypatch.setattr("navfmu.campaign.report.PICTURED", 1)
+    monkeypatch.setattr("navfmu.campaign.pictured.PICTURED", 1)
     text = 'variants = ["main", "slow"]\n' + CASES + GRID
     text += (
         '\n[[requirement]]\nid = "R"\nsignal = "estimator.solution.length"\nat_most = 1.4\ncases = ["drift", "both"]\n'

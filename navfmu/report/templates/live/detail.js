@@ -42,7 +42,7 @@ function cellDetail(g, r) {
   const cell = group && requirement && group.cells[r];
   if (!cell) return null;
   const runs = group.runs.map((number) => [number, story.runs[number].findings[r]]);
-  const key = ([, f]) => (f === null ? -1 : f.held ? 1000 + f.inside : f.inside);
+  const key = ([number, f]) => (number === cell.worst ? -2 : f === null ? -1 : f.held ? 1000 + f.inside : f.inside);
   runs.sort((a, b) => key(a) - key(b));
   const share = cell.interval ? `: ${cell.interval[0].toFixed(0)} to ${cell.interval[1].toFixed(0)} % of such runs hold (95 % interval)` : "";
   return [
