@@ -185,11 +185,21 @@ def _finding(requirement: Requirement, judged: Judged, finding: Finding | None) 
         "inside": finding.percent,
         "share": percent(finding.percent),
         "worst": _number(finding.worst),
-        "text": told(requirement, finding.worst) if finding.reached else "not reached",
+        "text": _worst_text(requirement, finding),
         "at": _number(finding.worst_time),
         "first": _number(finding.first_violation),
         "missing": finding.missing,
     }
+
+
+def _worst_text(requirement: Requirement, finding: Finding) -> str:
+    """The worst value, or how often it happened."""
+    if not finding.reached:
+        return "not reached"
+    if requirement.truth:
+        return "never false" if finding.first_violation is None else "false"
+    text = told(requirement, finding.worst)
+    return f"{text} times" if requirement.events else text
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
