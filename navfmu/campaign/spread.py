@@ -82,7 +82,7 @@ def _findings(story: Story, group: dict[str, Any], number: int) -> list[dict[str
 
 def _worth(requirement: dict[str, Any], values: list[float]) -> bool:
     """Whether there is more to see than false and true."""
-    return bool(requirement["unit"]) or len(set(values)) > 2
+    return requirement["unit"] not in ("", "1") or len(set(values)) > 2
 
 
 def _bounds(requirement: dict[str, Any]) -> list[float]:

@@ -1,0 +1,74 @@
+"""Pictures over all runs: which marks stand where, and what their titles say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from navfmu.campaign.spread import spread, sweeps
+from navfmu.report import along, strips
+
+
+@pytest.fixture
+def drawing(monkeypatch):
+    """What was drawn, before it became a PNG."""
+    kept = []
+    for module in (along, strips):
+        monkeypatch.setattr(module, "png", lambda figure: kept.append(figure) or b"PNG")
+    return kept
+
+
+def tale() -> dict:
+    """Two variants, three magnitudes of a fault, one seed: the error is 10 times the magnitude, at most 25 m are asked."""
+    requirement = {"id": "R", "signal": "a.horizontal_error", "unit": "m", "bounds": [None, 25.0]}
+    cases = [{"name": f"c{value:g}", "values": [value]} for value in (1.0, 2.0, 3.0)]
+    groups, runs = [], []
+    for variant, more in (("main", 0.0), ("other", 4.0)):
+        for number, case in enumerate(cases):
+            worst = 10.0 * case["values"][0] + more
+            held = worst <= 25.0
+            cell = {"rank": [float(held), float(held), 100.0 - worst]}
+            groups.append({"variant": variant, "case": number, "runs": [len(runs)], "cells": [cell]})
+            runs.append({"variant": variant, "values": case["values"], "findings": [{"worst": worst, "held": held}]})
+    return {"requirements": [requirement], "axes": ["bias (m)"], "cases": cases, "groups": groups, "runs": runs}
+
+
+def marks(axis, look: str) -> list[tuple[float, float]]:
+    lines = [line for line in axis.lines if line.get_marker() == look]
+    return [(float(x), float(y)) for line in lines for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True)]
+
+
+def test_each_run_is_a_mark_in_the_strip_of_its_combination_the_worst_on_top(drawing):
+    (found,) = spread(tale())
+    assert found.title == "R: a.horizontal_error of 6 runs at its worst time, 2 not as asked"
+    (axis,) = drawing[0].axes
+    labels = [text.get_text() for text in axis.get_yticklabels()]
+    assert labels == ["other, c3", "main, c3", "other, c2", "main, c2", "other, c1", "main, c1"]
+    assert sorted(marks(axis, "x")) == [(30.0, 1.0), (34.0, 0.0)]
+    assert sorted(marks(axis, "o")) == [(10.0, 5.0), (14.0, 4.0), (20.0, 3.0), (24.0, 2.0)]
+    assert [25.0, 25.0] in [list(line.get_xdata()) for line in axis.lines]
+
+
+def test_along_an_axis_each_run_stands_at_its_value(drawing):
+    (found,) = sweeps(tale())
+    assert found.title == "R along bias (m): not as asked from 3 to 3, as asked from 1 to 2"
+    (axis,) = drawing[0].axes
+    assert sorted(marks(axis, "o")) == [(1, 10), (1, 14), (2, 20), (2, 24), (3, 30), (3, 34)]
+    assert sorted(marks(axis, "x")) == [(3.0, 30.0), (3.0, 34.0)]
+
+
+def test_what_does_not_vary_or_is_no_number_has_no_picture(drawing):
+    story = tale()
+    for run in story["runs"]:
+        run["values"] = ["text"]
+    assert list(sweeps(story)) == []
+    for run in story["runs"]:
+        run["values"] = [2.0]
+    assert list(sweeps(story)) == [] and not drawing
+
+
+@pytest.mark.parametrize(
+    ("values", "logarithmic"), [([1, 10], False), ([1, 1000], True), ([-1, 1000], False), ([], False)]
+)
+def test_only_numbers_that_are_far_apart_get_a_logarithmic_axis(values, logarithmic):
+    assert strips.scaled(np.array(values, float)) == logarithmic
