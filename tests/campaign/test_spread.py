@@ -19,7 +19,7 @@ def drawing(monkeypatch):
 
 
 def tale() -> dict:
-    """Two variants, three magnitudes of a fault, one seed: the error is 10 times the magnitude, at most 25 m are asked."""
+    """Two variants, three magnitudes of a fault, one seed: errors of 10 times the magnitude; 25 m are asked."""
     requirement = {"id": "R", "signal": "a.horizontal_error", "unit": "m", "bounds": [None, 25.0]}
     cases = [{"name": f"c{value:g}", "values": [value]} for value in (1.0, 2.0, 3.0)]
     groups, runs = [], []
@@ -65,6 +65,14 @@ def test_what_does_not_vary_or_is_no_number_has_no_picture(drawing):
     for run in story["runs"]:
         run["values"] = [2.0]
     assert list(sweeps(story)) == [] and not drawing
+
+
+def test_false_and_true_are_not_spread(drawing):
+    story = tale()
+    story["requirements"][0] |= {"unit": "1", "bounds": [1.0, None]}
+    for run in story["runs"]:
+        run["findings"][0]["worst"] = float(run["findings"][0]["held"])
+    assert list(spread(story)) == [] and list(sweeps(story)) == []
 
 
 @pytest.mark.parametrize(
