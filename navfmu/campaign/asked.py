@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.schema import RequirementEntry
@@ -18,9 +18,17 @@ Error = Callable[..., NavfmuError]  # of a sentence and the place of an entry in
 
 
 def requirement_of(
-    entry: RequirementEntry, systems: Mapping[str, System], cases: Sequence[str], stop: float, error: Error
+    entry: RequirementEntry,
+    systems: Mapping[str, System],
+    cases: Sequence[str],
+    stop: float,
+    error: Error,
+    faults: Collection[str] | None = None,
 ) -> Requirement:
-    """The requirement of an entry. ``systems`` are by variant; ``stop`` (s) is the end of the runs."""
+    """The requirement of an entry. ``systems`` are by variant; ``stop`` (s) is the end of the runs.
+
+    ``faults`` are the ids of those that it may name; None: any.
+    """
     for key, known in (("variants", list(systems)), ("cases", cases)):
         for number, name in enumerate(getattr(entry, key) or ()):
             if name not in known:
@@ -28,7 +36,7 @@ def requirement_of(
     if (entry.signal is None) == (entry.events is None):
         raise error("expected either 'signal' or 'events'", "id" if entry.signal is None else "events")
     asked = {name: systems[name] for name in entry.variants or systems}
-    program = _program(entry, asked, error)
+    program = _program(entry, asked, error, faults)
     bounds = _bounds(entry, program, next(iter(asked.values())), error)
     if not program.boolean and bounds == {"at_most": None, "at_least": None}:
         raise error("this requirement has neither 'at_most' nor 'at_least'", "id")
@@ -44,7 +52,7 @@ def requirement_of(
         key = "when" if entry.when else "tolerance" if entry.tolerance else "events"
         raise error(f"'{key}' is asked within a run, and 'quantile' of all runs together", key)
     if entry.when:
-        _compiled(entry.when, asked, True, "when", error)
+        _compiled(entry.when, asked, True, "when", error, faults)
     tolerance = _seconds(entry.tolerance, "tolerance", error)
     if not 0 <= tolerance < math.inf:
         raise error(f"'tolerance' is {entry.tolerance!r}, expected a time in s, 0 or more", "tolerance")
@@ -72,11 +80,13 @@ def requirement_of(
     )
 
 
-def _program(entry: RequirementEntry, systems: Mapping[str, System], error: Error) -> Program:
+def _program(
+    entry: RequirementEntry, systems: Mapping[str, System], error: Error, faults: Collection[str] | None
+) -> Program:
     """The program of what is asked: the same unit in every variant."""
     if entry.events is not None:
-        return next(iter(_compiled(entry.events, systems, True, "events", error).values()))
-    found = _compiled(str(entry.signal), systems, None, "signal", error)
+        return next(iter(_compiled(entry.events, systems, True, "events", error, faults).values()))
+    found = _compiled(str(entry.signal), systems, None, "signal", error, faults)
     first, *others = found
     for other in others:
         a, b = (found[name].unit.name if found[name].unit else "no unit" for name in (first, other))
@@ -89,14 +99,19 @@ def _program(entry: RequirementEntry, systems: Mapping[str, System], error: Erro
 
 
 def _compiled(
-    text: str, systems: Mapping[str, System], boolean: bool | None, key: str, error: Error
+    text: str,
+    systems: Mapping[str, System],
+    boolean: bool | None,
+    key: str,
+    error: Error,
+    faults: Collection[str] | None,
 ) -> dict[str, Program]:
     """The program of an expression in each variant."""
     found = {}
     for variant, system in systems.items():
         try:
             about = {name: fmu.description for name, fmu in system.fmus.items()}
-            found[variant] = compile_expression(text, about, boolean=boolean)
+            found[variant] = compile_expression(text, about, faults, boolean=boolean)
         except NavfmuError as problem:
             raise error(f"variant '{variant}': {problem}", key) from None
     return found

@@ -86,7 +86,7 @@ class _Reader:
         numbers = parse_seeds(seeds, lambda s: NavfmuError(f"--seeds: {s}")) if seeds is not None else None
         written = self.cases(main)
         numbers = numbers or parse_seeds(content.seeds, lambda s: error(s, "seeds"))
-        requirements = self.requirements(systems, list(dict.fromkeys(case.written for case in written)), stop)
+        requirements = self.requirements(systems, written, stop)
         axes = self.axes(written, requirements)
         self.allowed(sum(axes.runs(case) for case in written) * len(systems) * len(numbers), allow)
         cases = [case for found in written for case in axes.points(found)]
@@ -204,7 +204,9 @@ class _Reader:
                 number = next((written.index(case.written) for case in reversed(cases) if case.name == name), 0)
                 raise self.document.error(f"there are two cases named '{name}'", "case", number, "name")
 
-    def requirements(self, systems: dict[str, System], cases: Sequence[str], stop: float) -> tuple[Requirement, ...]:
+    def requirements(self, systems: dict[str, System], written: Sequence[Case], stop: float) -> tuple[Requirement, ...]:
+        cases = list(dict.fromkeys(case.written for case in written))
+        faults = list(dict.fromkeys(fault.id for case in written for fault in case.faults))
         found: list[Requirement] = []
         for number, entry in enumerate(self.content.requirement or ()):
 
@@ -213,5 +215,5 @@ class _Reader:
 
             if entry.id in (requirement.id for requirement in found):
                 raise error(f"there are two requirements '{entry.id}'", "id")
-            found.append(requirement_of(entry, systems, cases, stop, error))
+            found.append(requirement_of(entry, systems, cases, stop, error, faults))
         return tuple(found)

@@ -87,6 +87,7 @@ def test_a_quantile_may_be_of_an_expression(tmp_path):
         ('signal = "m0.y"\nat_most = 1\ntolerance = "5 m"', "line 10: 'tolerance'"),
         ('signal = "m0.y"\nat_most = 1\ntolerance = -1', "line 10: 'tolerance' is -1.0, expected a time in s"),
         ('signal = "m0.y"\nat_most = 1\ntolerance = 1\nquantile = 0.5', "line 10: 'tolerance' is asked within a run"),
+        ('signal = "active(gps)"', "line 8: variant 'main': in 'active(gps)', character 8: there is no fault 'gps'"),
         ('events = "m0.y"', "line 8: variant 'main': in 'm0.y', character 1: expected a truth value"),
         ('events = "true"\nat_most = 1.5', "line 9: 'at_most' is 1.5, expected a number of events: 0, 1, 2"),
         ('events = "true"\nat_least = 1', "line 9: of events there is an 'at_most' only"),
