@@ -16,7 +16,7 @@ import numpy as np
 
 from navfmu.engine import floating, single, structures
 from navfmu.engine.blackbox import BlackBox, Memory
-from navfmu.engine.effect import ECHO, EFFECT
+from navfmu.engine.effect import AHEAD, ECHO, EFFECT
 from navfmu.engine.fatal import Instances
 from navfmu.engine.initial import MOVE
 from navfmu.engine.inputs import Inputs
@@ -437,7 +437,12 @@ class Compiled:
         )
         to.whole = self._keep(np.zeros(max(to.integers, to.booleans)), np.int32)
         to.first_effect, to.effects = part.first_effect, part.effects
+        to.foreseen = int(self._foreseen(part))
         to.first_loss, to.losses = part.first_loss, part.losses
+
+    def _foreseen(self, part: Part) -> bool:
+        """Whether somebody takes a value of a component as it is just before the next point."""
+        return bool((self.plan.readers[part.first_signal : part.first_signal + part.signals] & AHEAD).any())
 
     def _ahead(self, source: np.ndarray) -> np.ndarray:
         """Where to find the value at the end of a step: components without faults have it where it always is."""

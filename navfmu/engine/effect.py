@@ -66,6 +66,7 @@ EFFECT = np.dtype(
         ("pairs", np.int32),
         ("first_reach", np.int32),  # the signals that can be different because of it
         ("reaches", np.int32),
+        ("foreseen", np.int32),  # whether somebody takes one of them as it is just before the next point
         ("before", np.int32),  # these before it, now: place among the memories
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
@@ -132,8 +133,10 @@ class Tables:
     memory: np.ndarray  # float64
 
 
-def tables(effects: Sequence[Effect], slots: Mapping[Key, int], clock: Clock, seed: int) -> Tables:
-    """The effects as rows of ``EFFECT``, in their order; ``slots`` is by (component, variable)."""
+def tables(
+    effects: Sequence[Effect], slots: Mapping[Key, int], readers: Mapping[Key, int], clock: Clock, seed: int
+) -> Tables:
+    """The effects as rows of ``EFFECT``, in their order; ``slots`` and ``readers`` are by (component, variable)."""
     rows = np.zeros(len(effects), EFFECT)
     reach: list[int] = []
     memory: list[float] = []
@@ -155,6 +158,7 @@ def tables(effects: Sequence[Effect], slots: Mapping[Key, int], clock: Clock, se
         row["pairs"] = len(effect.pairs)
         row["first_pair"], _ = _room(reach, [slots[pair[end]] for end in (0, 1) for pair in effect.pairs])
         row["first_reach"], row["reaches"] = _room(reach, [slots[key] for key in together[effect.key]])
+        row["foreseen"] = any(readers.get(key, 0) & AHEAD for key in together[effect.key])
         row["before"], _ = _room(memory, [0.0] * int(row["reaches"]))
     on: dict[tuple[Key, ...], list[int]] = {}  # variables -> numbers of their effects
     for number, effect in enumerate(effects):
@@ -179,9 +183,10 @@ def _late(fault: Fault, clock: Clock) -> tuple[float, float, int]:
     jitter = exact(fault.parameters.get("jitter", 0.0)) / clock.ratio
     if not jitter:
         delay = Fraction(clock.index(fault.parameters["delay"]))
-    kept = min(math.ceil(delay + jitter), clock.steps) + 1
-    if kept > LARGEST:
-        raise fault.error(f"'delay' and 'jitter' are {kept - 1} steps long; at most {LARGEST} can be kept", "delay")
+    longest = min(math.ceil(delay + jitter), clock.steps)
+    if longest >= LARGEST:
+        raise fault.error(f"'delay' and 'jitter' are {longest} steps long; at most {LARGEST - 1} can be kept", "delay")
+    kept = 2 ** longest.bit_length()  # more than the longest, and a power of 2, by which the engine divides quickly
     return min(float(delay), 2.0**52), min(float(jitter), 2.0**52), kept
 
 

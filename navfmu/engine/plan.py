@@ -231,7 +231,7 @@ def make_plan(
         readers[key] = readers.get(key, 0) | NEXT
     windows = [*lists(faults, clock, seed), *([ALWAYS] if taps else [])]
     triggers, window_table = trigger_tables(windows)
-    effect_tables = tables(ordered, slots, clock, seed)
+    effect_tables = tables(ordered, slots, readers, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
     losses = loss.losses_of(faults, by_name)

@@ -123,7 +123,7 @@ class Component(Structure):
         *((name, c_void_p) for name in ("real_value", "integer_value", "boolean_value")),
         *((name, c_int32) for name in ("reals", "integers", "booleans", "first_signal")),
         *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
-        *((name, c_int32) for name in ("first_effect", "effects", "first_loss", "losses")),
+        *((name, c_int32) for name in ("first_effect", "effects", "foreseen", "first_loss", "losses")),
         ("warnings", c_int64),
         ("strayed", c_int32),
         ("look", c_int32),

@@ -41,7 +41,8 @@ static inline double draw_uniform(const Effect *e, int64_t j) {
     return ((double)(word[0] >> 11) + 0.5) * 0x1p-53;
 }
 
-/* DELAY remembers the number of its jitter, how late the present one is, and behind that the last values in a ring. */
+/* DELAY remembers the number of its jitter, how late the present one is, and behind that the last values in a ring,
+   the length of which is a power of 2. */
 static inline int64_t kept(const Effect *e) { return e->size - 2; }
 
 static inline double late(const Effect *e, int64_t j) {
@@ -67,7 +68,7 @@ static inline void remember(const Effect *e, double *memory, const Moment *now, 
         if (now->acts && begins(e, now, k)) memory[0] = v;
         break;
     case DELAY:
-        memory[2 + k % kept(e)] = v;
+        memory[2 + (k & (kept(e) - 1))] = v;
         if (now->acts && e->other != 0.0 && !drawn(memory, period_of(e, k))) memory[1] = late(e, period_of(e, k));
         break;
     }
@@ -76,7 +77,7 @@ static inline void remember(const Effect *e, double *memory, const Moment *now, 
 /* The value that came to a DELAY so many communication points before k. */
 static inline double past(const Effect *e, const double *memory, int64_t k) {
     int64_t then = k - (int64_t)memory[1];
-    return memory[2 + (then > 0 ? then % kept(e) : 0)];
+    return memory[2 + (then > 0 ? then & (kept(e) - 1) : 0)];
 }
 
 /* All at the same time. */
@@ -122,7 +123,7 @@ static inline void change(const Master *m, const Effect *e, const double *memory
 /* What becomes of its signal as it leaves at communication point k. */
 static inline void act(const Master *m, const Effect *e, double *memory, double *signal, int64_t k) {
     const Moment *now = &m->trigger[e->trigger].now;
-    remember(e, memory, now, signal[e->slot], k);
+    if (e->size) remember(e, memory, now, signal[e->slot], k);
     if (now->acts) change(m, e, memory, now, signal, k);
 }
 

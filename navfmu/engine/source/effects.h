@@ -6,11 +6,13 @@
 
 #include "act.h"
 
-/* Kept out of the way of the calls that succeed and of components without faults. */
+/* Kept out of the way of the calls that succeed and of components without faults; what is done often then, and not. */
 #if defined(__GNUC__)
 #define RARELY __attribute__((noinline, cold))
+#define ASIDE __attribute__((noinline))
 #else
 #define RARELY
+#define ASIDE
 #endif
 
 static inline uint64_t bits(double value) {
@@ -20,7 +22,7 @@ static inline uint64_t bits(double value) {
 }
 
 /* The signals that an effect can reach, as they are before it. */
-static RARELY void keep_before(Master *m, const Effect *e, const double *signal) {
+static inline void keep_before(Master *m, const Effect *e, const double *signal) {
     for (int i = 0; i < e->reaches; i++) m->memory[e->before + i] = signal[m->reach[e->first_reach + i]];
 }
 
@@ -58,6 +60,11 @@ static RARELY void search(Master *m, Effect *e, int64_t k, int32_t only) {
     }
 }
 
+/* An effect that is alone with its signal and has changed nothing. */
+static inline int same(const Master *m, const Effect *e) {
+    return !e->echoes && e->reaches == 1 && bits(m->memory[e->before]) == bits(m->signal[e->slot]);
+}
+
 /* Values that leave at communication point k, from the true ones. `only`: those of k = 0 come about one by one, and this
    signal goes to others before the rest is known; -1: all are. Nothing else of the rest can be compared. */
 static inline void leave(Master *m, int first_signal, int signals, int first_effect, int effects, int64_t k,
@@ -65,12 +72,21 @@ static inline void leave(Master *m, int first_signal, int signals, int first_eff
     double *value = m->signal;
     Effect *first = m->effect + first_effect, *end = first + effects;
     memcpy(value + first_signal, value + m->signals + first_signal, sizeof(double) * (size_t)signals);
+    int unseen = 0;
     for (Effect *e = first; e < end; e++) {
-        if (e->seen < 0) keep_before(m, e, value);
+        if (e->seen < 0) {
+            unseen = 1;
+            keep_before(m, e, value);
+        }
         act(m, e, m->memory + e->memory, value, k);
     }
-    for (Effect *e = first; e < end; e++)
-        if (e->seen < 0 && (e->followed || m->trigger[e->trigger].now.acts)) search(m, e, k, only);
+    if (!unseen) return;
+    for (Effect *e = first; e < end; e++) {
+        if (e->seen >= 0) continue;
+        int acts = m->trigger[e->trigger].now.acts;
+        if (same(m, e)) e->followed = acts;
+        else if (acts || e->followed) search(m, e, k, only);
+    }
 }
 
 /* At t = 0 nothing lies ahead yet: what leaves is what every input gets. */
@@ -97,12 +113,18 @@ static inline void look_ahead(Master *m, const Component *c, int64_t k) {
     Effect *first = m->effect + c->first_effect, *end = first + c->effects;
     memcpy(ahead + c->first_signal, m->signal + m->signals + c->first_signal,
            sizeof(double) * (size_t)(c->reals + c->integers + c->booleans));
+    int unseen = 0;
     for (Effect *e = first; e < end; e++) {
-        if (e->seen < 0) keep_before(m, e, ahead);
+        if (!e->foreseen) continue;
+        if (e->seen < 0) {
+            unseen = 1;
+            keep_before(m, e, ahead);
+        }
         act_ahead(m, e, m->memory + e->memory, ahead, k);
     }
+    if (!unseen) return;
     for (Effect *e = first; e < end; e++)
-        if (e->seen < 0 && e->followed) search_ahead(m, e, k);
+        if (e->foreseen && e->seen < 0 && e->followed) search_ahead(m, e, k);
 }
 
 #endif

@@ -174,8 +174,8 @@ static inline int read_into(Master *m, Component *c, double *to) {
 }
 
 /* The faults of communication point k act on the outputs that were read: on all of them (-1) or `only` one. */
-static RARELY void disturb(Master *m, Component *c, int64_t k, int32_t only) {
-    if (k > 0) look_ahead(m, c, k - 1);
+static ASIDE void disturb(Master *m, Component *c, int64_t k, int32_t only) {
+    if (k > 0 && c->foreseen) look_ahead(m, c, k - 1);
     leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k, only);
     if (k == 0) no_step_yet(m, c);
 }

@@ -25,7 +25,7 @@ static const Field FIELDS[] = {
     FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, multiplier), FIELD(Effect, divisor),
     FIELD(Effect, memory), FIELD(Effect, size), FIELD(Effect, first_pair), FIELD(Effect, pairs),
     FIELD(Effect, first_reach), FIELD(Effect, reaches),
-    FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, followed),
+    FIELD(Effect, foreseen), FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, followed),
     FIELD(Effect, seen),
 
     WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory),
@@ -57,7 +57,7 @@ static const Field FIELDS[] = {
     FIELD(Component, integer_value), FIELD(Component, boolean_value), FIELD(Component, reals),
     FIELD(Component, integers), FIELD(Component, booleans), FIELD(Component, first_signal),
     FIELD(Component, real_reference), FIELD(Component, integer_reference), FIELD(Component, boolean_reference),
-    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects),
+    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, foreseen),
     FIELD(Component, first_loss), FIELD(Component, losses), FIELD(Component, warnings),
     FIELD(Component, strayed), FIELD(Component, look),
 

@@ -53,6 +53,7 @@ typedef struct {
     int32_t memory, size;         /* what it remembers: place and length in Master.memory */
     int32_t first_pair, pairs;    /* SWAP, TAKE: the signals that change, behind them those whose value they get */
     int32_t first_reach, reaches; /* the signals that can be different because of it */
+    int32_t foreseen;             /* whether somebody takes one of them as it is just before the next point */
     int32_t before;               /* these before it, now: place in Master.memory */
     int32_t first_echo, echoes;   /* later effects on them */
     int32_t followed;             /* whether something may be different because of it, which nobody has seen yet */
@@ -139,6 +140,7 @@ typedef struct {
     int32_t *whole;               /* room for the Integer and Boolean outputs */
 
     int32_t first_effect, effects;
+    int32_t foreseen;             /* whether somebody takes its values as they are just before the next point */
     int32_t first_loss, losses;
     int64_t warnings;             /* calls that returned fmi2Warning */
     int32_t strayed;              /* what it has changed of how this thread calculates; see floating.h */
