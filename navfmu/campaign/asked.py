@@ -62,7 +62,7 @@ def requirement_of(
         signal=entry.signal if entry.events is None else entry.events,
         most=bounds["at_most"],
         least=bounds["at_least"],
-        unit="" if entry.events or program.unit is None else program.unit.name,
+        unit="" if program.boolean or program.unit is None else program.unit.name,
         percent=None if entry.quantile is not None else 100.0 if entry.percent is None else entry.percent,
         quantile=entry.quantile,
         runs=entry.runs,

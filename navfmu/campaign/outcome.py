@@ -180,11 +180,13 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     finding = worst[1]
     if finding is not None and (requirement.unit or finding.first_violation is not None or finding.missing):
         sentence += f"; worst: seed {worst[0].run.seed}"
-        if requirement.unit and finding.reached:
+        if requirement.events:
+            sentence += f", {finding.worst:.0f} {'time' if finding.worst == 1 else 'times'}"
+        elif requirement.unit and finding.reached:
             sentence += f", {told(requirement, finding.worst)} at t = {finding.worst_time:.9g} s"
-        sentence += f", inside for {percent(finding.percent)} of the time"
+        sentence += "" if requirement.events else f", inside for {percent(finding.percent)} of the time"
         if finding.first_violation is not None:
-            sentence += f", first violated at t = {finding.first_violation:.9g} s"
+            sentence += f", first {'' if requirement.events else 'violated '}at t = {finding.first_violation:.9g} s"
     sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(group))
 
@@ -224,6 +226,8 @@ def _digits(value: float, digits: int) -> str:
 
 
 def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
+    if requirement.events:
+        return finding.worst, 0.0
     return -finding.percent, float(requirement.excess(np.array([finding.worst]))[0])
 
 

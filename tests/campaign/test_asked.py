@@ -65,6 +65,9 @@ def test_events_are_counted(tmp_path, more, count, passed):
     outcome = flown(tmp_path, f'events = "{BLINK}"\n{more}')
     (cell,), finding = outcome.cells, outcome.runs[0].findings["R-0"]
     assert (finding.worst, cell.passed) == (count, passed)
+    first = finding.first_violation
+    assert f"; worst: seed 1, {count} time{'s' if count > 1 else ''}, first at t = {first:.9g} s" in cell.sentence
+    assert "inside" not in cell.sentence
     most = 0 if "at_most" not in more else int(more[-1])
     assert f" at most {most} times" in cell.requirement.sentence
 
