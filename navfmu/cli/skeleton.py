@@ -14,7 +14,7 @@ def skeleton(target: Target) -> str:
     about = ", ".join(filter(None, (target.what, target.unit)))
     lines = [f"# {target.name}: {about}", *([f"# {target.description}"] if target.description else [])]
     lines += ["#", "# Any of these may come and go:"]
-    lines += [f"#   {parameter.name}: {parameter.words}" for parameter, _ in TIMING]
+    lines += [f"#   {timing.parameter.name}: {timing.parameter.words}" for timing in TIMING]
     for name in target.types:
         kind = TYPES[name]
         lines += [

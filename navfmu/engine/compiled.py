@@ -23,7 +23,8 @@ from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library, load
 from navfmu.engine.loss import LOSS
-from navfmu.engine.monitor import MONITOR, OPERATION
+from navfmu.engine.monitor import MONITOR
+from navfmu.engine.operations import OPERATION
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import (
     Recording,
@@ -39,7 +40,7 @@ from navfmu.engine.recording import (
     warned,
 )
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, GOES_ON, LOOP, NAMES, WARNING, Callbacks, Master
-from navfmu.engine.trigger import TRIGGER, WINDOW
+from navfmu.engine.trigger import SPAN, TRIGGER, WINDOW
 from navfmu.errors import NavfmuError
 from navfmu.fmi.description import Description
 from navfmu.fmi.functions import OPTIONAL
@@ -146,6 +147,8 @@ class Compiled:
         self._effects = np.ascontiguousarray(plan.effects, EFFECT).copy()
         self._losses = np.ascontiguousarray(plan.losses, LOSS).copy()
         self._monitors = np.ascontiguousarray(plan.monitors, MONITOR).copy()
+        self._triggers = np.ascontiguousarray(plan.triggers, TRIGGER).copy()
+        self._spans = np.ascontiguousarray(plan.spans, SPAN).copy()
         self._master = self._make_master()
         try:
             for number, part in enumerate(plan.parts):
@@ -238,9 +241,16 @@ class Compiled:
             self.k,
             over,
             self._master.turn,
+            self._acted(),
         )
         seen = observed(self.plan, self._monitors, self.k)
-        return recording(self.plan, self.rows[: self._place.rows].copy(), notes, lost, idle, seen)
+        rows = self.rows[: self._place.rows].copy()
+        return recording(self.plan, rows, notes, lost, idle, seen, self._acted(), self.k)
+
+    def _acted(self) -> list[list[tuple[int, int]]]:
+        """The communication points first <= k < end at which each trigger acted."""
+        firsts, counts = self._triggers["first_span"].tolist(), self._triggers["spans"].tolist()
+        return [self._spans[first : first + count].tolist() for first, count in zip(firsts, counts, strict=True)]
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -370,11 +380,12 @@ class Compiled:
             memory=self._keep(plan.memory.copy(), np.float64, changes=True),
             without=self._keep(np.zeros(count), np.float64),
             turned=self._keep(np.zeros(count), np.float64),
-            trigger=self._keep(plan.triggers.copy(), TRIGGER, changes=True),
+            trigger=self._keep(self._triggers, TRIGGER, changes=True),
             triggers=len(plan.triggers),
             acting=self._keep(np.zeros(len(plan.triggers)), np.int32, changes=True),
             faults=len(plan.fault_ids),
             window=self._keep(plan.windows, WINDOW),
+            span=self._keep(self._spans, SPAN, changes=True),
             monitor=self._keep(self._monitors, MONITOR, changes=True),
             monitors=len(plan.monitors),
             operation=self._keep(plan.operations, OPERATION),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import reduce
 from itertools import takewhile
 from operator import or_
@@ -121,12 +121,17 @@ def _idle(
     if effect.driven and effect.amount == own:
         return f"sets '{name}' to {effect.amount:.9g}, which it is anyway"
     before = takewhile(lambda other: other.kind not in MEMORIES, later)  # which would remember it
-    setting = [lists[other.trigger] for other in before if other.kind == SET]
+    setting = [lists[other.trigger] for other in before if other.kind == SET and not _waits(other)]
     if alone and any(
         all(_inside(window.first, min(window.end, clock.steps + 1), other) for window in windows) for other in setting
     ):
         return f"is hidden: all the time another fault sets '{name}'"
     return ""
+
+
+def _waits(effect: Effect) -> bool:
+    """Whether nobody knows before the run when an effect acts."""
+    return effect.fault is not None and bool(effect.fault.condition)
 
 
 def _traces(effect: Effect, later: Sequence[Effect], lists: Sequence[Windows]) -> list[tuple[int, int]]:
@@ -149,20 +154,39 @@ def _inside(first: int, end: int, windows: Windows) -> bool:
 
 
 def unseen(
-    faults: Sequence[Fault | None], begins: Sequence[int], seen: Sequence[bool], clock: Clock, k: int
+    faults: Sequence[Fault | None],
+    begins: Sequence[int],
+    seen: Sequence[bool],
+    never: Collection[str],
+    clock: Clock,
+    k: int,
 ) -> dict[str, str]:
     """Faults that have changed nothing in a run that came to point ``k``, by id, with the reason.
 
     ``faults``, the communication point at which each begins, and whether something was seen of it, are by effect.
+    ``never`` are the ids of those that acted at no point.
     """
     acted = {fault.id for fault, was_seen in zip(faults, seen, strict=True) if fault and was_seen}
     nothing = (
         "changed nothing: without it every value that was recorded, or went to a component, would have been the same"
     )
+
+    def reason(fault: Fault, first: int) -> str:
+        if first > k:
+            return f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
+        if fault.condition and fault.id in never:
+            return f"never acted: {_unmet(fault)}"
+        return nothing
+
     return {
-        fault.id: nothing
-        if first <= k
-        else f"starts at {fault.start:.9g} s, but the run ended at {clock.time(k):.9g} s"
+        fault.id: reason(fault, first)
         for fault, first in zip(faults, begins, strict=True)
         if fault and fault.id not in acted and not (first > k and "mttf" in fault.parameters)
     }
+
+
+def _unmet(fault: Fault) -> str:
+    """In words, that the condition of a fault was not met before a point at which it could act."""
+    held = f" for {fault.parameters['hold']:.9g} s" if fault.parameters.get("hold") else ""
+    after = f" at {fault.start:.9g} s or later" if fault.start else ""
+    return f"'{fault.condition}' did not hold{held}{after}"

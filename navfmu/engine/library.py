@@ -28,7 +28,7 @@ UNITS = (
     RUNTIME / "noise.c",
 )
 HEADERS = (
-    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "act", "effects", "loss", "trigger")),
+    *(SOURCE / f"{name}.h" for name in ("master", "exchange", "act", "effects", "loss", "program", "trigger")),
     *(SOURCE / f"{name}.h" for name in ("expression", "floating", "initial", "monitor")),
     *(RUNTIME / f"{name}.h" for name in ("noise", "fmi2TypesPlatform", "fmi2FunctionTypes")),
 )

@@ -7,31 +7,37 @@ The engines keep the numbers while running, so that nothing that happens between
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from navfmu.engine.clock import FOREVER, Clock
+from navfmu.engine.operations import Operations, program_of
+from navfmu.engine.trigger import Trigger
 from navfmu.errors import NavfmuError
 from navfmu.expressions.meaning import compile_expression
-from navfmu.expressions.program import Op, Program, Source
+from navfmu.expressions.program import Program
 from navfmu.fmi.description import Description
 
-# One operation of a program, laid out as struct Operation in source/expression.h.
-OPERATION = np.dtype([("kind", np.int32), ("place", np.int32), ("number", np.float64)], align=True)
+ORIGINS = ("start", "onset", "over")  # from where it counts: of the run, or of a fault its beginning or its end
+START, ONSET, OVER = range(len(ORIGINS))
+NEVER = -2  # place of a fault that the run does not have
 # One monitor, laid out as struct Monitor in source/master.h.
 MONITOR = np.dtype(
     [
+        ("counts_from", np.int32),  # START, ONSET or OVER
+        ("fault", np.int32),  # whose; -1: of all faults together
         ("first_operation", np.int32),  # its value
         ("operations", np.int32),
         ("first_when", np.int32),  # asked while this is not 0; without any: always
         ("whens", np.int32),
         ("least", np.float64),
         ("most", np.float64),
-        ("begin", np.int64),  # communication points, begin <= k <= end
+        ("begin", np.int64),  # communication points, begin <= k - origin <= end
         ("end", np.int64),
+        ("origin", np.int64),  # -1: it has not come
         ("tolerated", np.int64),  # points in a row that may lie outside
         ("points", np.int64),  # at which it was asked
         ("not_finite", np.int64),
@@ -44,6 +50,7 @@ MONITOR = np.dtype(
         ("first_inside", np.int64),
         ("last_inside", np.int64),
         ("worst_at", np.int64),
+        ("latest", np.int64),  # points from an origin to behind the last one outside, at most
         ("worst", np.float64),  # the value furthest outside, or nearest to it
         ("excess", np.float64),
         ("squares", np.float64),  # sum over the finite values
@@ -60,6 +67,10 @@ class Monitor:
     ``value`` and ``when`` are expressions; a truth value lies inside where it is true and needs no bounds. Bounds are
     in SI, or in the unit of the signal if the expression is nothing but one. Points outside in a row count only if they
     are outside for longer than ``tolerance`` (s).
+
+    ``begin`` and ``end`` are counted from the ``start`` of the run, or from the first ``onset`` of a fault, or from
+    where it was ``over``, while it does not act. Without the id of a ``fault``: from the first onset of any, or while
+    none acts.
     """
 
     id: str
@@ -70,23 +81,32 @@ class Monitor:
     end: float = math.inf
     when: str = ""
     tolerance: float = 0.0
+    counts_from: str = "start"
+    fault: str = ""
 
     def describe(self) -> dict[str, Any]:
         """As plain data; JSON has no infinity."""
         content = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return {name: value for name, value in content.items() if value != self.__dataclass_fields__[name].default}
 
-    def program(self, system: Mapping[str, Description]) -> Program:
-        """The program of its value."""
-        return self._compiled("value", self.value, system, None)
+    def program(self, system: Mapping[str, Description], phases: Mapping[str, str]) -> Program:
+        """The program of its value; ``phases`` are conditions by name."""
+        return self._compiled("value", self.value, system, phases, None)
 
-    def condition(self, system: Mapping[str, Description]) -> Program | None:
+    def condition(self, system: Mapping[str, Description], phases: Mapping[str, str]) -> Program | None:
         """The program of its condition."""
-        return self._compiled("when", self.when, system, True) if self.when else None
+        return self._compiled("when", self.when, system, phases, True) if self.when else None
 
-    def _compiled(self, what: str, text: str, system: Mapping[str, Description], boolean: bool | None) -> Program:
+    def _compiled(
+        self,
+        what: str,
+        text: str,
+        system: Mapping[str, Description],
+        phases: Mapping[str, str],
+        boolean: bool | None,
+    ) -> Program:
         try:
-            return compile_expression(text, system, boolean=boolean)
+            return compile_expression(text, system, named=phases, boolean=boolean)
         except NavfmuError as error:
             raise NavfmuError(f"'{self.id}', {what}: {error}") from None
 
@@ -114,6 +134,9 @@ class Observed:
     worst_time: float
     rms: float
     greatest: float  # size of the value
+    origin: float = 0.0  # from where it counted
+    latest: float = 0.0  # s, from there to behind the last point outside, at most
+    left: float = math.inf  # s, from there to the end of a run that is not cut short
 
     def describe(self) -> dict[str, Any]:
         """As plain data; JSON has no NaN and no infinity."""
@@ -128,7 +151,8 @@ class Observed:
     @classmethod
     def of(cls, row: np.void, clock: Clock, k: int) -> Observed:
         """From a row of the table, in a run that came to communication point ``k``."""
-        begin, end = int(row["begin"]), min(int(row["end"]), clock.steps)
+        origin = int(row["origin"])
+        begin, end = origin + int(row["begin"]), min(origin + int(row["end"]), clock.steps)
 
         def when(name: str) -> float:
             return clock.time(int(row[name])) if row[name] >= 0 else math.nan
@@ -136,7 +160,7 @@ class Observed:
         finite = int(row["points"] - row["not_finite"])
         return cls(
             points=int(row["points"]),
-            missing=max(0, end - max(begin, k + 1) + 1),
+            missing=max(0, end - max(begin, k + 1) + 1) if origin >= 0 else 0,
             outside=int(row["outside"]),
             episodes=int(row["episodes"]),
             not_finite=int(row["not_finite"]),
@@ -149,56 +173,40 @@ class Observed:
             worst_time=when("worst_at"),
             rms=math.sqrt(float(row["squares"]) / finite) if finite else math.nan,
             greatest=float(row["greatest"]) if finite else math.nan,
+            origin=when("origin"),
+            latest=int(row["latest"]) * clock.step,
+            left=(clock.steps - origin) * clock.step if origin >= 0 else math.nan,
         )
 
 
-Place = Callable[[Source], tuple[int, float, float]]  # of a signal: its place, and what scales it
-
-
-def tables(
+def table(
     monitors: Sequence[Monitor],
     programs: Sequence[tuple[Program, Program | None]],
-    place: Place,
+    operations: Operations,
     clock: Clock,
     faults: Sequence[str] = (),
-) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of monitors and of their operations; ``faults`` are the ids of those of the run."""
-    rows, operations = np.zeros(len(monitors), MONITOR), []
+) -> np.ndarray:
+    """A row for each monitor, whose programs join the ``operations``; ``faults`` are the ids of those of the run."""
+    rows = np.zeros(len(monitors), MONITOR)
     for row, monitor, (value, when) in zip(rows, monitors, programs, strict=True):
-        row["first_operation"] = len(operations)
-        operations += _placed(value, place, faults)
-        row["first_when"] = row["operations"] = len(operations)
-        row["operations"] -= row["first_operation"]
-        operations += _placed(when, place, faults) if when else []
-        row["whens"] = len(operations) - row["first_when"]
+        row["first_operation"], row["operations"] = operations.add(value)
+        row["first_when"], row["whens"] = operations.add(when)
         row["least"], row["most"] = monitor.bounds(value)
-        row["begin"] = clock.index(monitor.begin)
+        row["counts_from"], row["fault"] = ORIGINS.index(monitor.counts_from), _place(monitor.fault, faults)
+        row["begin"], row["origin"] = clock.index(monitor.begin), 0 if monitor.counts_from == "start" else -1
         row["end"] = clock.last(monitor.end) if math.isfinite(monitor.end) else FOREVER
         row["tolerated"] = clock.last(monitor.tolerance)
         for name in ("first_outside", "last_outside", "first_inside", "last_inside", "worst_at"):
             row[name] = -1
         row["worst"], row["excess"] = math.nan, -math.inf
-    table = np.zeros(len(operations), OPERATION)
-    for row, operation in zip(table, operations, strict=True):
-        row["kind"], row["place"], row["number"] = operation
-    return rows, table
-
-
-def _placed(program: Program, place: Place, faults: Sequence[str]) -> list[tuple[int, int, float]]:
-    """Operations on the signals of a plan; what is scaled on its way to an input is scaled here, too."""
-    rows: list[tuple[int, int, float]] = []
-    for op, argument in program.operations:
-        if op == Op.LOAD_SIGNAL:
-            slot, factor, offset = place(program.sources[int(argument)])
-            rows.append((op, slot, 0.0))
-            if (factor, offset) != (1.0, 0.0):
-                rows += [(Op.CONSTANT, 0, factor), (Op.MULTIPLY, 0, 0.0), (Op.CONSTANT, 0, offset), (Op.PLUS, 0, 0.0)]
-        elif op == Op.ACTIVE and argument >= 0:
-            fault = program.faults[int(argument)]  # one that the run does not have does not act
-            rows.append((op, faults.index(fault), 0.0) if fault in faults else (Op.CONSTANT, 0, 0.0))
-        else:
-            rows.append((op, -1 if op == Op.ACTIVE else 0, argument if op == Op.CONSTANT else 0.0))
     return rows
+
+
+def _place(fault: str, faults: Sequence[str]) -> int:
+    """The place of a fault among those of the run; -1: all of them, or ``NEVER``."""
+    if not fault:
+        return -1
+    return faults.index(fault) if fault in faults else NEVER
 
 
 class Observer:
@@ -206,14 +214,24 @@ class Observer:
 
     def __init__(self, row: np.void, operations: np.ndarray, faults: Sequence[str] = ()) -> None:
         self.row = row.copy()
-        self._value = _program(operations, row["first_operation"], row["operations"], faults)
-        self._when = _program(operations, row["first_when"], row["whens"], faults) if row["whens"] else None
+        self._value = program_of(operations, row["first_operation"], row["operations"], faults)
+        self._when = program_of(operations, row["first_when"], row["whens"], faults)
 
-    def observe(self, signals: Sequence[float], k: int, t: float, active: Mapping[str, bool] | None = None) -> None:
+    def observe(
+        self,
+        signals: Sequence[float],
+        k: int,
+        t: float,
+        active: Mapping[str, bool] | None = None,
+        triggers: Sequence[Trigger] = (),
+    ) -> None:
         """Look at communication point ``k``, at the time ``t`` (s); ``active`` are faults, and "" any of them."""
-        row = self.row
-        if not row["begin"] <= k <= row["end"]:
+        row, origin = self.row, self._origin(triggers)
+        if origin < 0:
+            row["row"] = 0
+        if origin < 0 or not row["begin"] <= k - origin <= row["end"]:
             return
+        row["origin"] = origin
         if self._when is not None and self._when.value(signals, t, active) == 0.0:
             row["row"] = 0
             return
@@ -234,10 +252,22 @@ class Observer:
         else:
             self._outside(k)
 
+    def _origin(self, triggers: Sequence[Trigger]) -> int:
+        """The point from which it counts; -1: it has not come."""
+        kind, fault = int(self.row["counts_from"]), int(self.row["fault"])
+        if kind == START:
+            return 0
+        its = triggers if fault == -1 else triggers[fault : fault + 1] if fault >= 0 else ()
+        acted = [trigger for trigger in its if trigger.spans]
+        if not acted or (kind == OVER and any(trigger.now.acts for trigger in its)):
+            return -1
+        return min(t.spans[0][0] for t in acted) if kind == ONSET else max(t.spans[-1][1] for t in acted)
+
     def _outside(self, k: int) -> None:
         """A point outside of the bounds: it counts once more of them follow one another than are put up with."""
         row = self.row
         row["row"] += 1
+        row["latest"] = max(row["latest"], k - row["origin"] + 1)
         row["longest"] = max(row["longest"], row["row"])
         if row["row"] <= row["tolerated"]:
             return
@@ -255,12 +285,3 @@ class Observer:
     def set_state(self, state: np.void) -> None:
         """Back to a snapshot."""
         self.row = state.copy()
-
-
-def _program(operations: np.ndarray, first: int, count: int, faults: Sequence[str]) -> Program:
-    """A program whose sources are the signals of the plan, and whose faults are those of the run."""
-    rows = operations[first : first + count].tolist()
-    loads = (Op.LOAD_SIGNAL, Op.ACTIVE)
-    return Program(
-        "", tuple((Op(k), float(p) if k in loads else n) for k, p, n in rows), (), tuple(faults), False, None
-    )

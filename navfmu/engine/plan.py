@@ -28,6 +28,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -42,10 +44,11 @@ from navfmu.engine.inputs import Inputs, inputs_of, readers_of
 from navfmu.engine.link import TYPES, Link, Wire
 from navfmu.engine.making import effects_of
 from navfmu.engine.monitor import Monitor
-from navfmu.engine.monitor import tables as monitor_tables
+from navfmu.engine.monitor import table as monitor_table
+from navfmu.engine.operations import Operations
 from navfmu.engine.order import sort
-from navfmu.engine.trigger import ALWAYS, begin, lists
-from navfmu.engine.trigger import tables as trigger_tables
+from navfmu.engine.trigger import ALWAYS, begin, condition, lists
+from navfmu.engine.trigger import table as trigger_table
 from navfmu.errors import NavfmuError, nearest
 from navfmu.expressions.program import Source
 from navfmu.faults.fault import Fault
@@ -127,6 +130,7 @@ class Plan:
     triggers: np.ndarray  # TRIGGER: one for each fault, in their order
     fault_ids: tuple[str, ...]
     windows: np.ndarray  # WINDOW
+    spans: np.ndarray  # SPAN: room for when triggers act
     losses: np.ndarray  # LOSS: by component
     begins: tuple[int, ...]  # communication point at which each effect begins, then each loss
     faults: tuple[Fault | None, ...]  # of each effect, then each loss; what an input takes is none
@@ -170,13 +174,15 @@ def make_plan(
     record_period: float | None = None,
     faults: Sequence[Fault] = (),
     monitors: Sequence[Monitor] = (),
+    phases: Mapping[str, str] = MappingProxyType({}),
     seed: int = 1,
 ) -> Plan:
     """The plan of a run from 0 to ``stop`` (s) in steps of ``step`` (s).
 
     ``record`` names variables ("imu.reading.rate[1]"), arrays and bundles ("imu.reading.rate", "imu.reading") or
     patterns ("imu.*"), each with or without "@true"; by default all outputs are recorded. ``monitors`` are asked at
-    every communication point. ``seed`` keys the noise of faults. Whatever does not fit together is a ``NavfmuError``.
+    every communication point; ``phases`` are conditions by name, which they and faults may use. ``seed`` keys the noise
+    of faults. Whatever does not fit together is a ``NavfmuError``.
     """
     if algorithm not in ALGORITHMS:
         hint = nearest(algorithm, ALGORITHMS)
@@ -201,8 +207,11 @@ def make_plan(
         *into,
     ]  # as it goes from end to end
     columns = _columns(record, system)
-    programs = [(monitor.program(system), monitor.condition(system)) for monitor in monitors]
-    sources = [source for pair in programs for program in pair if program for source in program.sources]
+    ids = tuple(fault.id for fault in faults)
+    programs = [(monitor.program(system, phases), monitor.condition(system, phases)) for monitor in monitors]
+    conditions = [condition(fault, system, phases, ids) for fault in faults]
+    asked = [program for program in (*chain.from_iterable(programs), *conditions) if program]
+    sources = [source for program in asked for source in program.sources]
 
     index = {component.name: i for i, component in enumerate(components)}
     order, cut_edges = sort(len(components), ((index[s.component], index[t.component]) for s, t, _ in wires))
@@ -230,7 +239,6 @@ def make_plan(
     for key in driven:
         readers[key] = readers.get(key, 0) | NEXT
     windows = [*lists(faults, clock, seed), *([ALWAYS] if taps else [])]
-    triggers, window_table = trigger_tables(windows)
     effect_tables = tables(ordered, slots, readers, clock, seed)
 
     undisturbed = {(c, v): _undisturbed(by_name[c], starts[c], v) for c, v in driven}
@@ -244,8 +252,9 @@ def make_plan(
         on_its_own = column.true and signals[column.slot] in faulted
         return column.slot + (len(signals) if on_its_own else 0), column.factor, column.offset
 
-    ids = tuple(fault.id for fault in faults)
-    monitor_table, operations = monitor_tables(monitors, programs, place, clock, ids)
+    operations = Operations(place, ids)
+    questions = monitor_table(monitors, programs, operations, clock, ids)
+    when = trigger_table(faults, windows, conditions, operations, clock)
     initial, loops = initial_moves(components, wires, driven, slots)
     parts, first_effect, first_loss = [], 0, 0
     for component in components:
@@ -271,16 +280,17 @@ def make_plan(
         reach=effect_tables.reach,
         memory=effect_tables.memory,
         readers=np.array([readers.get(key, 0) for key in signals], np.int32),
-        triggers=triggers,
+        triggers=when.triggers,
         fault_ids=ids,
-        windows=window_table,
+        windows=when.windows,
+        spans=when.spans,
         losses=loss.table(losses, list(by_name)),
         begins=tuple(begin(windows[one.trigger]) for one in (*ordered, *losses)),
         faults=tuple(one.fault for one in (*ordered, *losses)),
         recorded=tuple(_recorded(end, true, slots, connected) for end, true in columns),
         questions=tuple(monitors),
-        monitors=monitor_table,
-        operations=operations,
+        monitors=questions,
+        operations=operations.table,
         record_every=every,
         cut=tuple(f"{s} -> {t}" for s, t in cut),
         idle=useless,

@@ -36,6 +36,9 @@ def too_large(plan: Plan) -> NavfmuError:
     )
 
 
+Spans = tuple[tuple[float, float], ...]
+
+
 @dataclass(frozen=True)
 class Recording:
     """Recorded signals: ``values[row, column]`` at ``time[row]`` (s). Booleans are 0 and 1."""
@@ -49,6 +52,7 @@ class Recording:
     lost: Mapping[str, int] = field(default_factory=dict)  # samples that were missed, by counter: "ahrs.imu.lost"
     idle: Mapping[str, str] = field(default_factory=dict)  # faults that changed nothing, by id, and why
     observed: Mapping[str, Observed] = field(default_factory=dict)  # what monitors saw, by id
+    acted: Mapping[str, Spans] = field(default_factory=dict)  # from when to when each fault acted (s), by id
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by name."""
@@ -109,12 +113,14 @@ def ended(plan: Plan, logs: Sequence[Log], component: int, k: int, last: float) 
     return [f"component '{name}' ended the run at t = {when:.9g} s, before the stop time {stop:.9g} s{why}"]
 
 
-def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> dict[str, str]:
+def unmoved(
+    plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int, acted: Sequence[Sequence[tuple[int, int]]]
+) -> dict[str, str]:
     """Faults that changed nothing up to communication point ``k``, by id, and why; none unless the run is ``over``.
 
     ``seen`` is by effect, then by loss, as in ``EFFECT`` and ``LOSS``. ``turn`` is the component at which the step
-    after ``k`` was left without being complete, -1: there is none. Those that could not change anything are not told
-    again.
+    after ``k`` was left without being complete, -1: there is none. ``acted`` has the communication points at which each
+    trigger acted. Those that could not change anything are not told again.
     """
     if not over:
         return {}
@@ -124,7 +130,8 @@ def unmoved(plan: Plan, seen: Sequence[int], k: int, over: bool, turn: int) -> d
         for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=False)
     ]
     was += [at >= 0 for at in seen[len(was) :]]
-    found = unseen(plan.faults, plan.begins, was, plan.clock, k)
+    never = [fault for fault, spans in zip(plan.fault_ids, acted, strict=False) if not spans]
+    found = unseen(plan.faults, plan.begins, was, never, plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
 
 
@@ -158,6 +165,8 @@ def recording(
     lost: Mapping[str, int] | None = None,
     idle: Mapping[str, str] | None = None,
     seen: Mapping[str, Observed] | None = None,
+    acted: Sequence[Sequence[tuple[int, int]]] = (),
+    k: int = 0,
 ) -> Recording:
     """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
     for number, column in enumerate(plan.recorded):
@@ -172,9 +181,15 @@ def recording(
         lost=dict(lost or {}),
         idle=dict(idle or {}),
         observed=dict(seen or {}),
+        acted={fault: _times(plan, spans, k) for fault, spans in zip(plan.fault_ids, acted, strict=False)},
     )
     unfelt = [f"fault '{fault}' {why}" for fault, why in made.idle.items()]
     return replace(made, notes=(*warnings, *unfelt, *missed(made.lost, plan), *not_finite(made)))
+
+
+def _times(plan: Plan, spans: Sequence[tuple[int, int]], k: int) -> Spans:
+    """When a fault acted (s), in a run that came to communication point ``k``, which is as far as is known."""
+    return tuple((plan.clock.time(first), plan.clock.time(min(end, k))) for first, end in spans if first <= k)
 
 
 # ---- notes -----------------------------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from navfmu.engine.inputs import Inputs
 from navfmu.engine.link import TYPES
 from navfmu.engine.loading import engine_library
 from navfmu.engine.monitor import Observer
+from navfmu.engine.operations import program_of
 from navfmu.engine.plan import Part, Plan
 from navfmu.engine.recording import (
     Recording,
@@ -64,7 +65,7 @@ class Snapshot:
     truth: list[float]
     ahead: list[float]
     begin: list[list[float]]
-    triggers: list[Trigger]
+    triggers: list[Any]
     behind: list[int]
     lost_at: list[int]
     injectors: list[Any]
@@ -105,7 +106,14 @@ class Reference:
         self.ahead = [0.0] * count  # at the end of the step, with the faults of its beginning
         self.begin: list[list[float]] = [[] for _ in plan.parts]  # smooth inputs at the beginning of the step
         self.rows = room(plan)
-        self._triggers = [Trigger.of(row, plan.windows) for row in plan.triggers]
+        self._triggers = [
+            Trigger(
+                row,
+                plan.windows,
+                program_of(plan.operations, row["first_operation"], row["operations"], plan.fault_ids),
+            )
+            for row in plan.triggers
+        ]
         self._injectors = [self._injector(part.first_effect, part.first_effect + part.effects) for part in plan.parts]
         self._driver = self._injector(plan.first_driven_effect, len(plan.effects))
         self._observers = [Observer(row, plan.operations, plan.fault_ids) for row in plan.monitors]
@@ -210,9 +218,10 @@ class Reference:
         over = self.k == self.plan.clock.steps or self._ended >= 0
         seen = [point for injector in (*self._injectors, self._driver) for point in injector.seen]
         seen += self._lost_at
-        idle = unmoved(self.plan, seen, self.k, over, self._turn)
+        acted = [trigger.spans for trigger in self._triggers]
+        idle = unmoved(self.plan, seen, self.k, over, self._turn, acted)
         found = observed(self.plan, [observer.row for observer in self._observers], self.k)
-        return recording(self.plan, rows, notes, lost, idle, found)
+        return recording(self.plan, rows, notes, lost, idle, found, acted, self.k)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""
@@ -237,8 +246,12 @@ class Reference:
         return Injector(rows, reach, pairs, self._triggers, plan.clock, plan.readers.tolist(), plan.record_every)
 
     def _move_triggers(self, k: int) -> None:
+        if k:
+            signals, active = self._visible()
+            for trigger in self._triggers:  # all are asked before one of them moves
+                trigger.ask(signals, self.plan.clock.time(k - 1), active)
         for trigger in self._triggers:
-            trigger.move(k)
+            trigger.move(k, self.plan.clock)
 
     # ---- initial values ----------------------------------------------------------------------------------------------
 
@@ -400,11 +413,16 @@ class Reference:
             self.rows[row] = [(self.truth if c.true else self.values)[c.slot] for c in self.plan.recorded]
 
     def _observe(self) -> None:
-        signals = [*self.values, *self.truth]
+        signals, active = self._visible()
+        faults = self._triggers[: len(self.plan.fault_ids)]
+        for observer in self._observers:
+            observer.observe(signals, self.k, self.plan.clock.time(self.k), active, faults)
+
+    def _visible(self) -> tuple[list[float], dict[str, bool]]:
+        """What expressions see: all signals, and whether each fault acts, "" for any."""
         acting = [trigger.now.acts for trigger in self._triggers[: len(self.plan.fault_ids)]]
         active = dict(zip(self.plan.fault_ids, acting, strict=True)) | {"": any(acting)}
-        for observer in self._observers:
-            observer.observe(signals, self.k, self.plan.clock.time(self.k), active)
+        return [*self.values, *self.truth], active
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
@@ -417,7 +435,7 @@ class Reference:
         self._look_for_dead()
         self._snapshots += 1
         states = [self._call(number, "getFMUstate") for number in range(len(self._fmus))]
-        triggers = [trigger.copy() for trigger in self._triggers]
+        triggers = [trigger.state() for trigger in self._triggers]
         injectors = [injector.state() for injector in (*self._injectors, self._driver)]
         lists = list(self.values), list(self.truth), list(self.ahead), [list(begin) for begin in self.begin]
         observers = [observer.state() for observer in self._observers]
@@ -430,7 +448,7 @@ class Reference:
         for number, state in enumerate(snapshot.states):
             self._call(number, "setFMUstate", state)
         for trigger, saved in zip(self._triggers, snapshot.triggers, strict=True):
-            trigger.now, trigger.before = saved.now, saved.before
+            trigger.set_state(saved)
         for injector, state in zip((*self._injectors, self._driver), snapshot.injectors, strict=True):
             injector.set_state(state)
         for observer, seen in zip(self._observers, snapshot.observers, strict=True):

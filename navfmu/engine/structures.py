@@ -18,7 +18,7 @@ from ctypes import (
     sizeof,
 )
 
-from navfmu.engine import effect, initial, loss, monitor, trigger
+from navfmu.engine import effect, initial, loss, monitor, operations, trigger
 from navfmu.errors import NavfmuError, quoted
 from navfmu.expressions.program import Op
 
@@ -133,7 +133,7 @@ class Component(Structure):
 class Master(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "acting")),
-        *((name, c_void_p) for name in ("window", "effect", "echo")),
+        *((name, c_void_p) for name in ("window", "span", "effect", "echo")),
         *((name, c_void_p) for name in ("loss", "behind", "reach", "readers", "memory", "without", "turned")),
         *((name, c_void_p) for name in ("monitor", "operation", "signal")),
         *((name, c_int32) for name in ("components", "moves", "signals", "monitors", "triggers", "faults")),
@@ -162,11 +162,12 @@ def here() -> Iterator[Row]:
         "Window": trigger.WINDOW,
         "Moment": trigger.MOMENT,
         "Trigger": trigger.TRIGGER,
+        "Span": trigger.SPAN,
         "Effect": effect.EFFECT,
         "Echo": effect.ECHO,
         "Loss": loss.LOSS,
         "Monitor": monitor.MONITOR,
-        "Operation": monitor.OPERATION,
+        "Operation": operations.OPERATION,
         "Move": initial.MOVE,
     }
     for table, rows in tables.items():
@@ -181,6 +182,8 @@ def here() -> Iterator[Row]:
             yield structure.__name__, name, place.offset, place.size
     for name in trigger.KINDS:
         yield "TriggerKind", name, getattr(trigger, name), 0
+    for number, name in enumerate(monitor.ORIGINS):
+        yield "Origin", name.upper(), number, 0
     for name in effect.KINDS:
         yield "EffectKind", name, getattr(effect, name), 0
     for name in ("NOW", "NEXT", "AHEAD", "RECORDED", "OBSERVED"):

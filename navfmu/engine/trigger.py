@@ -3,40 +3,58 @@
 Between two communication points the loop moves all triggers from one to the other: then each of them says of both
 whether it acts there, and since when. Kinds:
 
-======  ================================================================
+======  ================================================================================================
 LISTED  in windows first <= k < end that the plan has made a list of
-======  ================================================================
+WHEN    for a time, once: from the first point in its window on before which a condition held for long enough
+DURING  in its windows, at the points before which a condition held for long enough
+======  ================================================================================================
 
 ``move_triggers`` in source/trigger.h is the one place where it is decided what acts at a point. It comes after
-everything of the point before has left, been recorded and been asked.
+everything of the point before has left, been recorded and been asked; a condition sees that, and so acts one step
+after it became true.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from navfmu.engine.clock import FOREVER, TOLERANCE, Clock, exact
 from navfmu.engine.effect import fault_stream
+from navfmu.engine.operations import Operations
 from navfmu.engine.philox import STREAM_BASE, TIMES, stream_of, uniform, words
+from navfmu.errors import NavfmuError
+from navfmu.expressions.meaning import compile_expression
+from navfmu.expressions.program import Program
 from navfmu.faults.fault import Fault
+from navfmu.fmi.description import Description
 
-KINDS = ("LISTED",)
-(LISTED,) = range(len(KINDS))
+KINDS = ("LISTED", "WHEN", "DURING")
+LISTED, WHEN, DURING = range(len(KINDS))
+SPANS = 100  # in which it is kept when a trigger acted; what comes later lengthens the last one
 
 WINDOW = np.dtype([("first", np.int64), ("end", np.int64), ("start", np.float64)], align=True)
 MOMENT = np.dtype([("acts", np.int32), ("since", np.int64), ("start", np.float64)], align=True)
+SPAN = np.dtype([("first", np.int64), ("end", np.int64)], align=True)  # it acted at first <= k < end
 TRIGGER = np.dtype(
     [
         ("kind", np.int32),
-        ("window", np.int32),  # LISTED: its next window, and behind its last one
+        ("window", np.int32),  # its next window, and behind its last one
         ("last", np.int32),
+        ("first_operation", np.int32),  # the condition
+        ("operations", np.int32),
+        ("first_span", np.int32),  # when it acted: place and length in the table of spans, and how many there are
+        ("room", np.int32),
+        ("spans", np.int32),
+        ("needed", np.int64),  # points in a row at which the condition must hold, and has held
+        ("row", np.int64),
+        ("lasts", np.int64),  # WHEN: points at which it acts
         ("now", MOMENT),  # at the point to which it was moved, and at the one before
         ("before", MOMENT),
     ],
@@ -85,7 +103,9 @@ def windows(fault: Fault, clock: Clock, seed: int) -> Windows:
         if fault.parameters.get(name, math.inf) < clock.step * (1.0 - TOLERANCE):
             given = f"'{name}' {fault.parameters[name]:.9g} s is shorter than the step {clock.step:.9g} s"
             raise fault.error(f"{given}; some of its times would hold no communication point", name)
-    begin, end = exact(fault.start), exact(fault.start) + exact(fault.duration) if fault.duration < math.inf else None
+    begin = exact(fault.start)
+    lasting = fault.duration == math.inf or "when" in fault.parameters  # the window is where its condition is asked
+    end = None if lasting else begin + exact(fault.duration)
     if clock.index(fault.start) >= (FOREVER if end is None else clock.index(float(end))):
         raise fault.error(
             f"no communication point lies between its start {fault.start:.9g} s and its end "
@@ -145,12 +165,49 @@ def begin(found: Windows) -> int:
     return found[0].first if found else FOREVER
 
 
-def tables(found: Sequence[Windows]) -> tuple[np.ndarray, np.ndarray]:
-    """A row of ``TRIGGER`` for each list of windows, and all rows of ``WINDOW``."""
-    rows = np.zeros(len(found), TRIGGER)
-    for row, begin, of_one in zip(rows, np.cumsum([0, *map(len, found)]).tolist(), found, strict=False):
-        row["kind"], row["window"], row["last"] = LISTED, begin, begin + len(of_one)
-    return rows, np.array([tuple(window) for of_one in found for window in of_one], WINDOW)
+@dataclass(frozen=True)
+class Table:
+    """The triggers of a plan, and what they refer to."""
+
+    triggers: np.ndarray  # TRIGGER
+    windows: np.ndarray  # WINDOW
+    spans: np.ndarray  # SPAN, room for them
+
+
+def table(
+    faults: Sequence[Fault],
+    found: Sequence[Windows],
+    conditions: Sequence[Program | None],
+    operations: Operations,
+    clock: Clock,
+) -> Table:
+    """A trigger for each list of windows: those of the faults first; the ``conditions`` join the ``operations``."""
+    rows, places, room = np.zeros(len(found), TRIGGER), 0, 0
+    for row, fault, windows, condition in zip_longest(rows, faults, found, conditions):
+        row["window"], row["last"] = places, places + len(windows)
+        row["first_operation"], row["operations"] = operations.add(condition)
+        row["first_span"], row["room"] = room, max(1, min(len(windows), SPANS))
+        if condition:
+            once = "when" in fault.parameters
+            row["kind"], row["room"] = (WHEN, 1) if once else (DURING, SPANS)
+            row["needed"] = clock.index(fault.parameters.get("hold", 0.0)) + 1
+            row["lasts"] = max(1, clock.index(fault.duration)) if once else 0
+        places, room = places + len(windows), room + int(row["room"])
+    windows = np.array([tuple(window) for windows in found for window in windows], WINDOW)
+    return Table(rows, windows, np.zeros(room, SPAN))
+
+
+def condition(
+    fault: Fault, system: Mapping[str, Description], phases: Mapping[str, str], faults: Collection[str]
+) -> Program | None:
+    """The program of a fault's condition; ``phases`` are conditions that have a name, ``faults`` all ids of the run."""
+    if not fault.condition:
+        return None
+    try:
+        return compile_expression(fault.condition, system, faults, phases, boolean=True)
+    except NavfmuError as error:
+        name = "when" if "when" in fault.parameters else "during"
+        raise fault.error(f"'{name}': {error}", name) from None
 
 
 @dataclass(frozen=True)
@@ -162,26 +219,44 @@ class Moment:
     start: float = 0.0
 
 
-@dataclass
 class Trigger:
     """One trigger of the reference engine; says of the point to which it was moved, and of the one before."""
 
-    windows: Sequence[np.void]
-    now: Moment = Moment()
-    before: Moment = Moment()
+    def __init__(self, row: np.void, windows: np.ndarray, condition: Program | None) -> None:
+        self.now, self.before, self.row = Moment(), Moment(), 0
+        self.spans: list[tuple[int, int]] = []
+        self._plan, self._condition = row, condition
+        self._windows = [Window(*window) for window in windows[row["window"] : row["last"]].tolist()]
 
-    @classmethod
-    def of(cls, row: np.void, windows: np.ndarray) -> Trigger:
-        """That of a row of the plan."""
-        return cls(list(windows[row["window"] : row["last"]]))
+    def ask(self, signals: Sequence[float], time: float, active: Mapping[str, bool]) -> None:
+        """Whether its condition holds at the point at which it is."""
+        if self._condition is not None:
+            self.row = self.row + 1 if self._condition.value(signals, time, active) != 0.0 else 0
 
-    def move(self, k: int) -> None:
+    def move(self, k: int, clock: Clock) -> None:
         """To communication point ``k`` from the one before."""
-        self.before, self.now = self.now, Moment()
-        for window in self.windows:
-            if window["first"] <= k < window["end"]:
-                self.now = Moment(True, int(window["first"]), float(window["start"]))
+        self.before, listed = self.now, Moment()
+        for window in self._windows:
+            if window.first <= k < window.end:
+                listed = Moment(True, window.first, window.start)
+        kind, needed = int(self._plan["kind"]), int(self._plan["needed"])
+        self.now = listed if kind == LISTED or (listed.acts and self.row >= needed) else Moment()
+        if kind == DURING and self.now.acts and k - (self.row - needed) > listed.since:
+            since = k - (self.row - needed)  # the condition came later than the window
+            self.now = Moment(True, since, clock.time(since))
+        if kind == WHEN and (self.spans or self.now.acts):
+            onset = self.spans[0][0] if self.spans else k
+            self.now = Moment(True, onset, clock.time(onset)) if k - onset < self._plan["lasts"] else Moment()
+        if self.now.acts:
+            begins = not self.before.acts and len(self.spans) < self._plan["room"]
+            first = k if begins else self.spans.pop()[0]
+            self.spans.append((first, k + 1))
 
-    def copy(self) -> Trigger:
-        """As it is now, for a snapshot."""
-        return dataclasses.replace(self)
+    def state(self) -> tuple[Any, ...]:
+        """What it knows of the run, for a snapshot."""
+        return self.now, self.before, self.row, list(self.spans)
+
+    def set_state(self, state: tuple[Any, ...]) -> None:
+        """Back to a snapshot."""
+        self.now, self.before, self.row = state[:3]
+        self.spans = list(state[3])

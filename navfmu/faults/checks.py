@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.expressions.parser import ExpressionError, parse
 from navfmu.fmi.seconds import is_finite, seconds, short
 
 NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
@@ -68,6 +69,14 @@ def _text(name: str, value: Any) -> str:
     return value
 
 
+def _expression(name: str, value: Any) -> str:
+    try:
+        parse(_text(name, value))
+    except ExpressionError as error:
+        raise NavfmuError(f"'{name}': {error}") from None
+    return value
+
+
 #: By the sort of a parameter: the value to keep, or the sentence why it cannot be. Others need the unit of the target.
 SORTS: dict[str, Callable[[str, Any], Any]] = {
     "time": _time,
@@ -78,4 +87,5 @@ SORTS: dict[str, Callable[[str, Any], Any]] = {
     "not finite": _not_finite,
     "positive": _positive,
     "text": _text,
+    "expression": _expression,
 }

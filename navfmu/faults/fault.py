@@ -14,7 +14,7 @@ from navfmu.faults.types import COMPONENT, TIMING, TYPES
 from navfmu.fmi.seconds import seconds, short
 
 PARAMETERS = {parameter.name: parameter for kind in TYPES.values() for parameter in kind.parameters}
-TIMES = {parameter.name: parameter for parameter, _ in TIMING}
+TIMES = {timing.parameter.name: timing.parameter for timing in TIMING}
 COMMON = ("id", "fmea", "target", "type", "start", "duration", "description")
 
 
@@ -109,10 +109,16 @@ class Fault:
         for name in kind.required:
             if name not in self.parameters:
                 raise self.error(f"type '{self.type}' needs the parameter '{name}'", "type")
-        for parameter, needs in TIMING:
-            missing = [name for name in needs if name not in self.parameters]
-            if parameter.name in self.parameters and missing:
-                raise self.error(f"'{parameter.name}' needs '{missing[0]}' beside it", parameter.name)
+        for timing in TIMING:
+            name = timing.parameter.name
+            if name not in self.parameters:
+                continue
+            if timing.needs and not set(timing.needs) & set(self.parameters):
+                needed = " or ".join(f"'{other}'" for other in timing.needs)
+                raise self.error(f"'{name}' needs {needed} beside it", name)
+            for other in timing.excludes:
+                if other in self.parameters:
+                    raise self.error(f"'{name}' and '{other}' exclude each other", other)
 
     def _checked(self, check: Callable[[str, Any], Any], name: str, value: Any) -> Any:
         try:
@@ -124,6 +130,11 @@ class Fault:
     def targets(self) -> tuple[str, ...]:
         """What it acts on, one or several."""
         return (self.target,) if isinstance(self.target, str) else self.target
+
+    @property
+    def condition(self) -> str:
+        """The expression for which it waits, or while which it acts; empty: it has none."""
+        return self.parameters.get("when") or self.parameters.get("during") or ""
 
     @property
     def is_random(self) -> bool:

@@ -21,6 +21,7 @@ KINDS = {  # by the sort of a parameter, how it may be written; the others are v
     "not finite": Number | str,
     "positive": Number,
     "text": str,
+    "expression": str,
 }
 
 

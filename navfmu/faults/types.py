@@ -186,11 +186,28 @@ TYPES: dict[str, FaultType] = {
     )
 }  # fmt: skip
 
-TIMING: tuple[tuple[Parameter, tuple[str, ...]], ...] = (  # when it acts: each, and what it needs beside it
-    (Parameter("on", "time", "how long it acts at a time", required=False), ("off",)),
-    (Parameter("off", "time", "how long it pauses in between", required=False), ("on",)),
-    (Parameter("mttf", "time", "mean time to a failure at random, and from its end to the next", required=False), ()),
-    (Parameter("mttr", "time", "mean time to its end; default: it stays", required=False), ("mttf",)),
-    (Parameter("shape", "positive", "of a Weibull distribution; default 1: exponential", required=False), ("mttf",)),
-    (Parameter("cause", "text", "faults of one cause fail at the same random times", required=False), ("mttf",)),
+
+@dataclass(frozen=True)
+class Timing:
+    """An entry that says when a fault acts. With it goes one of what it ``needs`` and none of what it ``excludes``."""
+
+    parameter: Parameter
+    needs: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
+
+
+def _timing(name: str, sort: str, words: str, needs: str = "", excludes: str = "") -> Timing:
+    return Timing(Parameter(name, sort, words, required=False), tuple(needs.split()), tuple(excludes.split()))
+
+
+TIMING = (
+    _timing("on", "time", "how long it acts at a time", needs="off"),
+    _timing("off", "time", "how long it pauses in between", needs="on"),
+    _timing("mttf", "time", "mean time to a failure at random, and from its end to the next"),
+    _timing("mttr", "time", "mean time to its end; default: it stays", needs="mttf"),
+    _timing("shape", "positive", "of a Weibull distribution; default 1: exponential", needs="mttf"),
+    _timing("cause", "text", "faults of one cause fail at the same random times", needs="mttf"),
+    _timing("when", "expression", "it begins once this has become true, and only once", excludes="during on mttf"),
+    _timing("during", "expression", "it acts only while this is true: a phase of flight"),
+    _timing("hold", "delay", "how long the condition must have been true before; default 0", needs="when during"),
 )

@@ -137,6 +137,7 @@ def run_both(plan: Plan) -> Recording:
     different = [name for name in fast.names if fast[name].tobytes() != slow[name].tobytes()]
     assert not different, f"engines differ in {different}"
     assert fast.idle == slow.idle
+    assert fast.acted == slow.acted
     assert repr(fast.observed) == repr(slow.observed)  # NaN is NaN
     return fast
 

@@ -17,6 +17,8 @@ def test_every_structure_is_compared():
             "Moment",
             "Trigger",
             "TriggerKind",
+            "Span",
+            "Origin",
             "Effect",
             "Echo",
             "Loss",

@@ -4,12 +4,8 @@
 
 #include <math.h>
 
-#include "master.h"
 #include "noise.h"
-
-static inline double time_of(const Master *m, int64_t k) {
-    return (double)k * m->numerator / m->denominator;
-}
+#include "program.h"
 
 /* The number of the period in which communication point k lies, whatever the step. */
 static inline int64_t period_of(const Effect *e, int64_t k) { return k * e->multiplier / e->divisor; }

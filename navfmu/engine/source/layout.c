@@ -18,8 +18,12 @@ static const Field FIELDS[] = {
 
     WHOLE(Moment), FIELD(Moment, acts), FIELD(Moment, since), FIELD(Moment, start),
 
-    WHOLE(Trigger), FIELD(Trigger, kind), FIELD(Trigger, window), FIELD(Trigger, last), FIELD(Trigger, now),
+    WHOLE(Trigger), FIELD(Trigger, kind), FIELD(Trigger, window), FIELD(Trigger, last),
+    FIELD(Trigger, first_operation), FIELD(Trigger, operations), FIELD(Trigger, first_span), FIELD(Trigger, room),
+    FIELD(Trigger, spans), FIELD(Trigger, needed), FIELD(Trigger, row), FIELD(Trigger, lasts), FIELD(Trigger, now),
     FIELD(Trigger, before),
+
+    WHOLE(Span), FIELD(Span, first), FIELD(Span, end),
 
     WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, amount), FIELD(Effect, other),
     FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, multiplier), FIELD(Effect, divisor),
@@ -32,12 +36,12 @@ static const Field FIELDS[] = {
 
     WHOLE(Loss), FIELD(Loss, component), FIELD(Loss, trigger), FIELD(Loss, seen),
 
-    WHOLE(Monitor), FIELD(Monitor, first_operation), FIELD(Monitor, operations), FIELD(Monitor, first_when),
+    WHOLE(Monitor), FIELD(Monitor, counts_from), FIELD(Monitor, fault), FIELD(Monitor, first_operation), FIELD(Monitor, operations), FIELD(Monitor, first_when),
     FIELD(Monitor, whens), FIELD(Monitor, least), FIELD(Monitor, most), FIELD(Monitor, begin), FIELD(Monitor, end),
-    FIELD(Monitor, tolerated), FIELD(Monitor, points), FIELD(Monitor, not_finite), FIELD(Monitor, outside),
+    FIELD(Monitor, origin), FIELD(Monitor, tolerated), FIELD(Monitor, points), FIELD(Monitor, not_finite), FIELD(Monitor, outside),
     FIELD(Monitor, episodes), FIELD(Monitor, row), FIELD(Monitor, longest), FIELD(Monitor, first_outside),
     FIELD(Monitor, last_outside), FIELD(Monitor, first_inside), FIELD(Monitor, last_inside), FIELD(Monitor,
-    worst_at), FIELD(Monitor, worst), FIELD(Monitor, excess), FIELD(Monitor, squares), FIELD(Monitor, greatest),
+    worst_at), FIELD(Monitor, latest), FIELD(Monitor, worst), FIELD(Monitor, excess), FIELD(Monitor, squares), FIELD(Monitor, greatest),
 
     WHOLE(Operation), FIELD(Operation, kind), FIELD(Operation, place), FIELD(Operation, number),
 
@@ -67,7 +71,7 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, trigger), FIELD(Master, acting), FIELD(Master, window), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, loss),
+    FIELD(Master, trigger), FIELD(Master, acting), FIELD(Master, window), FIELD(Master, span), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, loss),
     FIELD(Master, behind), FIELD(Master, reach),
     FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, turned), FIELD(Master, monitor),
     FIELD(Master, operation), FIELD(Master, signal),
@@ -79,7 +83,9 @@ static const Field FIELDS[] = {
     FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
     FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, turn), FIELD(Master, last),
 
-    VALUE(TriggerKind, LISTED),
+    VALUE(TriggerKind, LISTED), VALUE(TriggerKind, WHEN), VALUE(TriggerKind, DURING),
+
+    VALUE(Origin, START), VALUE(Origin, ONSET), VALUE(Origin, OVER),
 
     VALUE(EffectKind, ADD), VALUE(EffectKind, RAMP), VALUE(EffectKind, SET), VALUE(EffectKind, HOLD),
     VALUE(EffectKind, NOISE), VALUE(EffectKind, SCALE), VALUE(EffectKind, AFFINE), VALUE(EffectKind, CLIP),

@@ -28,12 +28,21 @@ typedef struct {
     double start;
 } Moment;
 
-typedef enum { LISTED } TriggerKind;
+typedef enum { LISTED, WHEN, DURING } TriggerKind;
+
+/* Communication points first <= k < end at which a trigger acted. */
+typedef struct {
+    int64_t first, end;
+} Span;
 
 /* When effects act; see navfmu/engine/trigger.py. */
 typedef struct {
     int32_t kind;
-    int32_t window, last;         /* LISTED: its next window, and behind its last one */
+    int32_t window, last;         /* its next window, and behind its last one */
+    int32_t first_operation, operations; /* WHEN, DURING: the condition */
+    int32_t first_span, room, spans; /* when it acted: place and length in Master.span, and how many there are */
+    int64_t needed, row;          /* points in a row at which the condition must hold, and has held */
+    int64_t lasts;                /* WHEN: points at which it acts */
     Moment now, before;           /* at the point to which it was moved, and at the one before */
 } Trigger;
 
@@ -76,17 +85,24 @@ typedef struct {
     int32_t effect, memory;
 } Echo;
 
+/* From where a monitor counts its points: the beginning of the run; that of a fault; the end of a fault. */
+typedef enum { START, ONSET, OVER } Origin;
+
 /* What is asked at every communication point, and what was seen; see navfmu/engine/monitor.py. */
 typedef struct {
+    int32_t counts_from;          /* Origin */
+    int32_t fault;                /* whose; -1: of all faults together */
     int32_t first_operation, operations; /* its value */
     int32_t first_when, whens;    /* asked while this is not 0; without any: always */
     double least, most;
-    int64_t begin, end;           /* communication points, begin <= k <= end */
+    int64_t begin, end;           /* communication points, begin <= k - origin <= end */
+    int64_t origin;               /* -1: it has not come */
     int64_t tolerated;            /* points in a row that may lie outside */
     int64_t points, not_finite;   /* at which it was asked; at which the value was no number */
     int64_t outside, episodes;    /* points in longer rows than tolerated; such rows */
     int64_t row, longest;         /* points outside in a row, now and at most */
     int64_t first_outside, last_outside, first_inside, last_inside, worst_at; /* -1: none */
+    int64_t latest;               /* points from an origin to behind the last one outside, at most */
     double worst, excess;         /* the value furthest outside, and how far that is */
     double squares, greatest;     /* sum over the finite values; size */
 } Monitor;
@@ -178,6 +194,7 @@ typedef struct {
     Trigger *trigger;
     int32_t *acting;              /* whether each trigger acts at the point to which it was moved */
     const Window *window;
+    Span *span;
     Effect *effect;
     const Echo *echo;
     Loss *loss;

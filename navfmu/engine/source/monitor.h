@@ -2,15 +2,38 @@
 #ifndef NAVFMU_MONITOR_H
 #define NAVFMU_MONITOR_H
 
-#include "master.h"
+#include "program.h"
 
-static inline double program(const Master *m, int32_t first, int32_t count, double t) {
-    return value_of(m->operation + first, count, m->signal, t, m->acting, m->faults);
+/* The first point at which any of the faults acted, -1: none has. */
+static inline int64_t onset(const Master *m, const Trigger *first, const Trigger *end) {
+    int64_t found = -1;
+    for (const Trigger *t = first; t < end; t++)
+        if (t->spans && (found < 0 || m->span[t->first_span].first < found)) found = m->span[t->first_span].first;
+    return found;
+}
+
+/* The first point since which none of the faults has acted any more, -1: one does, or none has. */
+static inline int64_t over(const Master *m, const Trigger *first, const Trigger *end) {
+    int64_t found = -1;
+    for (const Trigger *t = first; t < end; t++) {
+        if (t->now.acts) return -1;
+        if (t->spans && m->span[t->first_span + t->spans - 1].end > found)
+            found = m->span[t->first_span + t->spans - 1].end;
+    }
+    return found;
+}
+
+static inline int64_t origin(const Master *m, const Monitor *o) {
+    if (o->counts_from == START) return 0;
+    if (o->fault < -1) return -1; /* of a fault that the run does not have */
+    const Trigger *first = m->trigger + (o->fault < 0 ? 0 : o->fault), *end = o->fault < 0 ? first + m->faults : first + 1;
+    return o->counts_from == ONSET ? onset(m, first, end) : over(m, first, end);
 }
 
 /* A point outside of the bounds: it counts once more of them follow one another than are put up with. */
 static inline void stray(Monitor *o, int64_t k) {
     o->row++;
+    if (k - o->origin >= o->latest) o->latest = k - o->origin + 1;
     if (o->row > o->longest) o->longest = o->row;
     if (o->row <= o->tolerated) return;
     o->outside += o->row == o->tolerated + 1 ? o->row : 1;
@@ -21,7 +44,10 @@ static inline void stray(Monitor *o, int64_t k) {
 }
 
 static inline void observe(const Master *m, Monitor *o, int64_t k, double t) {
-    if (k < o->begin || k > o->end) return;
+    int64_t from = origin(m, o);
+    if (from < 0) o->row = 0;
+    if (from < 0 || k - from < o->begin || k - from > o->end) return;
+    o->origin = from;
     if (o->whens && program(m, o->first_when, o->whens, t) == 0.0) {
         o->row = 0;
         return;
@@ -51,7 +77,7 @@ static inline void observe(const Master *m, Monitor *o, int64_t k, double t) {
 }
 
 static void observe_all(Master *m, int64_t k) {
-    double t = (double)k * m->numerator / m->denominator;
+    double t = time_of(m, k);
     for (Monitor *o = m->monitor; o < m->monitor + m->monitors; o++) observe(m, o, k, t);
 }
 
