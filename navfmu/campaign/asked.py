@@ -111,7 +111,7 @@ def _compiled(
     for variant, system in systems.items():
         try:
             about = {name: fmu.description for name, fmu in system.fmus.items()}
-            found[variant] = compile_expression(text, about, faults, boolean=boolean)
+            found[variant] = compile_expression(text, about, faults, system.phases, boolean=boolean)
         except NavfmuError as problem:
             raise error(f"variant '{variant}': {problem}", key) from None
     return found

@@ -91,7 +91,7 @@ class Artist:
         for number, picture in enumerate(self._pictures_of(judged)):
             scene = self._scene(judged, number, picture)
             panels += picture.panels(replace(scene, runs=(recorded,), shown=recorded, events=events))
-        windows = [[w.name, w.start, min(w.end, float(recorded.points[-1]))] for w in scene.windows] if panels else []
+        windows = [[name, *span] for name, spans in judged.answer.acted.items() for span in spans]
         about = {"windows": windows, "end": float(recorded.points[-1])}
         return packed(panels, about, self._stretches) if panels else ""
 
@@ -112,10 +112,10 @@ class Artist:
         if place not in self._scenes:
             none = Recorded("", np.empty(0), {})
             bounds = bounds_of(self._outcome, run.variant, run.case)
-            self._scenes[place] = scene_of(picture, run.experiment, [none], none, bounds=bounds)
+            self._scenes[place] = scene_of(picture, run.experiment, [none], none, [], bounds=bounds)
         return self._scenes[place]
 
 
 def _faults(judged: Judged) -> Iterator[Event]:
-    for fault in judged.run.experiment.faults:
-        yield Event("fault", fault.id, float(fault.start))
+    for fault, spans in judged.answer.acted.items():
+        yield from (Event("fault", fault, begin) for begin, _ in spans[:REPEATED])

@@ -68,6 +68,7 @@ def _keep(
         notes=() if frame is None else tuple(other_notes(frame, idle=False)),
         not_finite={} if frame is None else frame.attrs["not_finite"],
         idle={} if frame is None else frame.attrs["idle"],
+        acted={} if frame is None else frame.attrs["acted"],
         observed={} if frame is None else frame.attrs["observed"],
     )
     write_file(run.answer(folder), answer.text())

@@ -65,6 +65,7 @@ class Answer:
     notes: tuple[str, ...]
     not_finite: dict[str, int]  # signal -> recorded points at which it is NaN or infinite
     idle: dict[str, str]  # faults that changed nothing, and why
+    acted: dict[str, list[list[float]]]  # from when to when each fault acted (s)
     observed: dict[str, dict[str, Any]]  # what was seen of each requirement (engine.monitor.Observed)
 
     def text(self) -> str:

@@ -33,12 +33,14 @@ def pictures_of(outcome: Outcome, variant: str, case: Case) -> list[Picture]:
 def scene(outcome: Outcome, variant: str, case: Case, picture: Picture, runs: Sequence[Judged], shown: Judged) -> Scene:
     """What a picture of these runs is drawn from; pictures of one run show ``shown``."""
     signals = picture.needs()
-    series = {judged.run.key: recorded(outcome, judged, signals) for judged in (runs if picture.many else [shown])}
+    drawn = runs if picture.many else [shown]
+    series = {judged.run.key: recorded(outcome, judged, signals) for judged in drawn}
     return scene_of(
         picture,
         shown.run.experiment,
         list(series.values()),
         series[shown.run.key],
+        [judged.answer.acted for judged in drawn],
         f"{variant}, {case.name}",
         bounds_of(outcome, variant, case),
     )

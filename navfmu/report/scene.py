@@ -55,11 +55,10 @@ def early(runs: Sequence[Recorded]) -> str:
 
 @dataclass(frozen=True)
 class Window:
-    """A time in which something is different, a fault for instance; shaded in pictures. Times in s."""
+    """Times in which something is different, a fault for instance; shaded in pictures. From when to when, in s."""
 
     name: str
-    start: float
-    end: float = math.inf
+    spans: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)

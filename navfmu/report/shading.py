@@ -25,14 +25,16 @@ def shade(drawing: Any, axes: Sequence[Any], windows: Sequence[Window], first: f
     top = axes[0]
     inches = top.get_position().height * drawing.get_figheight()
     rows = _rows(windows)
-    for number, (start, end, text) in enumerate(rows):
-        begin, finish = min(max(start, first), last), max(min(end, last), first)
-        for axis in axes:
-            axis.axvspan(begin, finish, color=GREY, alpha=0.10, linewidth=0)
+    for number, (spans, text) in enumerate(rows):
         low = 1.0 + ROW * (len(rows) - 1 - number) / inches
         high = low + 0.8 * ROW / inches
         across = top.get_xaxis_transform()
-        top.fill_between([begin, finish], low, high, color=GREY, alpha=0.25, lw=0, transform=across, clip_on=False)
+        for start, end in spans:
+            begin, finish = min(max(start, first), last), max(min(end, last), first)
+            for axis in axes:
+                axis.axvspan(begin, finish, color=GREY, alpha=0.10, linewidth=0)
+            top.fill_between([begin, finish], low, high, color=GREY, alpha=0.25, lw=0, transform=across, clip_on=False)
+        begin = min(max(spans[0][0], first), last)
         late = begin > first + 0.7 * (last - first)
         top.text(
             last if late else begin, (low + high) / 2, f"{text} " if late else f" {text}", transform=across,
@@ -41,10 +43,7 @@ def shade(drawing: Any, axes: Sequence[Any], windows: Sequence[Window], first: f
     return 6.0 + POINTS * height(windows)
 
 
-def _rows(windows: Sequence[Window]) -> list[tuple[float, float, str]]:
-    """Start, end and text of each row: what begins and ends together shares one."""
-    times = dict.fromkeys((w.start, w.end) for w in sorted(windows, key=lambda w: (w.start, w.end)))
-    return [
-        (start, end, ", ".join(dict.fromkeys(w.name for w in windows if (w.start, w.end) == (start, end))))
-        for start, end in times
-    ]
+def _rows(windows: Sequence[Window]) -> list[tuple[tuple[tuple[float, float], ...], str]]:
+    """Times and text of each row: what begins and ends together shares one."""
+    times = sorted({window.spans for window in windows if window.spans})
+    return [(spans, ", ".join(dict.fromkeys(w.name for w in windows if w.spans == spans))) for spans in times]

@@ -195,6 +195,16 @@ class Assembly:
         return [] if document is None else default_record(document, self.fmus, lambda: self._siblings)
 
     @cached_property
+    def phases(self) -> dict[str, str]:
+        """Conditions that have a name in the system's report file."""
+        document = self._report_document
+        if document is None or "phase" not in document.content:
+            return {}
+        from navfmu.system.phase import phases_of
+
+        return phases_of(document, self.fmus, lambda: self._siblings)
+
+    @cached_property
     def report(self) -> ReportFile | None:
         """What the system says about its report, checked against it and its other variants; None without a file."""
         if self._report_document is None:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 ENGINES = ("compiled", "reference")
 ALGORITHMS = ("gauss_seidel", "jacobi")
 ROWS = 10_000  # recorded at every step up to here, then more rarely, unless a period is given
-FORMAT = 3  # of what a key covers; raise it when that changes
+FORMAT = 4  # of what a key covers; raise it when that changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,8 +180,14 @@ class Experiment:
             record_period=self.record_period,
             faults=self.faults,
             monitors=self.monitors,
+            phases=self.phases,
             seed=1 if self.seed is None else self.seed,
         )
+
+    @property
+    def phases(self) -> Mapping[str, str]:
+        """Conditions with a name, where something may use them; what they say belongs to the key."""
+        return self.system.phases if self.monitors or any(fault.condition for fault in self.faults) else {}
 
     @property
     def points(self) -> np.ndarray:
@@ -241,6 +247,7 @@ class Experiment:
             "record": list(self.record),
             "record_period": self.record_period,
             "monitors": [monitor.describe() for monitor in self.monitors],
+            "phases": dict(self.phases),
         }
 
     @classmethod
@@ -253,7 +260,9 @@ class Experiment:
             raise NavfmuError(
                 f"{description['system']}: is not the system that was run: its FMUs, connections or values have changed"
             )
-        given = {name: description[name] for name in description if name not in ("system", "variant", "digest")}
+        given = {
+            name: description[name] for name in description if name not in ("system", "variant", "digest", "phases")
+        }
         faults = [Fault.of(entry) for entry in given["faults"]]
         monitors = [Monitor(**entry) for entry in given["monitors"]]
         return cls(system, **given | {"faults": faults, "monitors": monitors})

@@ -66,7 +66,7 @@ def write(frame: pandas.DataFrame, names: Sequence[str], file: str | Path, targe
         runs=(run,),
         shown=run,
         units=frame.attrs["units"],
-        windows=windows(about.get("faults", [])),
+        windows=windows([frame.attrs["acted"]]),
     )
     write_file(target, lines.Picture(kind="lines", signals=signals).draw(scene).png)
     return signals

@@ -27,6 +27,7 @@ from navfmu.report import pictures, statistics
 from navfmu.report.kind import Kind, Picture, Statistic, kinds
 from navfmu.report.notice import Notice
 from navfmu.system.default_record import Fmus, default_record, unknown
+from navfmu.system.phase import Phase, phases_of
 
 PICTURES: dict[str, type[Picture]] = kinds(pictures, "Picture")
 STATISTICS: dict[str, type[Statistic]] = kinds(statistics, "Statistic")
@@ -44,6 +45,7 @@ class Content(Table):
     picture: list[_one_of(PICTURES)] = Field([], description="pictures, in the order of the report")
     statistic: list[_one_of(STATISTICS)] = Field([], description="statistics of campaigns")
     notice: list[Notice] = Field([], description="signals that say that the system has noticed something")
+    phase: list[Phase] = Field([], description="conditions with a name, for faults and requirements")
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ class ReportFile:
             _check_kinds(document, entry, classes)
         content = validated(document, Content)
         default_record(document, fmus, others)
+        phases_of(document, fmus, others)
         made = cls(tuple(content.picture), tuple(content.statistic), tuple(content.notice))
         made._check(document, fmus, others)
         return made

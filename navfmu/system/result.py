@@ -71,8 +71,8 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     """A recording with time (s) as index; Booleans and Integers in their own types.
 
     In ``attrs``: ``units`` by signal; ``not_finite``, at how many points a signal is NaN or infinite; ``lost``, how
-    many samples each counter says were lost; ``idle``, the faults that changed nothing and why; ``observed``, what
-    monitors saw (:class:`navfmu.engine.monitor.Observed`).
+    many samples each counter says were lost; ``acted``, from when to when each fault acted (s); ``idle``, the faults
+    that changed nothing and why; ``observed``, what monitors saw (:class:`navfmu.engine.monitor.Observed`).
     """
     import numpy as np
     import pandas
@@ -84,6 +84,7 @@ def as_frame(recording: Recording) -> pandas.DataFrame:
     frame.attrs["units"] = dict(zip(recording.names, recording.units, strict=True))
     frame.attrs["not_finite"] = {name: count for name, (count, _) in recording.not_finite.items()}
     frame.attrs["observed"] = {name: seen.describe() for name, seen in recording.observed.items()}
+    frame.attrs["acted"] = {fault: [list(span) for span in spans] for fault, spans in recording.acted.items()}
     frame.attrs["lost"] = dict(recording.lost)
     frame.attrs["idle"] = {fault: visible(why) for fault, why in recording.idle.items()}
     return frame
@@ -103,6 +104,7 @@ def write(frame: pandas.DataFrame, path: str | Path) -> Path:
     about = {"units": frame.attrs.get("units", {})} | frame.attrs.get("provenance", {})
     about["notes"] = frame.attrs.get("notes", [])
     about["not_finite"] = frame.attrs.get("not_finite", {})
+    about["acted"] = frame.attrs.get("acted", {})
     if path.suffix.lower() == ".csv":
         with replacing(path) as temporary:
             frame.to_csv(temporary, float_format=None)
@@ -132,7 +134,8 @@ def read(path: str | Path) -> pandas.DataFrame:
     if not isinstance(about, dict):
         raise NavfmuError(f"{path}: cannot be read: what it says of itself is no table")
     apart = {"units": about.pop("units", {}), "notes": about.pop("notes", [])}
-    frame.attrs = apart | {"not_finite": about.pop("not_finite", {}), "provenance": about}
+    apart |= {name: about.pop(name, {}) for name in ("not_finite", "acted")}
+    frame.attrs = apart | {"provenance": about}
     return frame
 
 

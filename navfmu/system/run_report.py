@@ -94,7 +94,7 @@ def _pictures(result: Page, frame: pandas.DataFrame, experiment: Experiment, nam
         if lacking:
             result.text(f"The picture '{picture.kind}' is left out: this variant has no {', '.join(lacking)}.")
             continue
-        made = picture.draw(scene_of(picture, experiment, [run], run))
+        made = picture.draw(scene_of(picture, experiment, [run], run, [frame.attrs["acted"]]))
         result.picture(made.png, made.title, made.caption)
     if len(drawn) > DRAWN:
         result.text(

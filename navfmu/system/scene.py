@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from navfmu.report.kind import Kind
 from navfmu.report.scene import Bound, Recorded, Scene, Window
 from navfmu.system.experiment import Experiment
 from navfmu.system.report_file import constants, units
+
+Acted = Mapping[str, Sequence[Sequence[float]]]  # by the id of a fault, from when to when it acted (s)
 
 
 def scene_of(
@@ -17,23 +17,33 @@ def scene_of(
     experiment: Experiment,
     runs: Sequence[Recorded],
     shown: Recorded,
+    acted: Sequence[Acted],
     label: str = "",
     bounds: Sequence[Bound] = (),
 ) -> Scene:
-    """The scene of ``runs``, all of them of one variant in one case; ``experiment`` is that of the run ``shown``."""
+    """The scene of ``runs``, all of them of one variant in one case; ``experiment`` is that of the run ``shown``.
+
+    ``acted`` has for each run from when to when each fault acted (s).
+    """
     return Scene(
         label=label,
         runs=tuple(runs),
         shown=shown,
         units=units(entry, experiment.system.fmus),
-        windows=windows([fault.describe() for fault in experiment.faults]),
+        windows=windows(acted),
         bounds=tuple(bounds),
         constants=constants(entry, experiment.system.fmus, experiment.start_values()),
     )
 
 
-def windows(faults: Sequence[Mapping[str, Any]]) -> tuple[Window, ...]:
-    """When faults act, from their descriptions in a recording's provenance."""
-    return tuple(
-        Window(fault["id"], fault["start"], fault["start"] + fault.get("duration", math.inf)) for fault in faults
-    )
+def windows(acted: Sequence[Acted]) -> tuple[Window, ...]:
+    """When faults acted in some runs: where that differs, from the first time to the last one of all runs."""
+    found = []
+    for fault in dict.fromkeys(name for one in acted for name in one):
+        spans = {tuple((begin, end) for begin, end in one.get(fault, ())) for one in acted}
+        if len(spans) == 1:
+            found.append(Window(fault, *spans))
+            continue
+        times = [time for one in spans for span in one for time in span]
+        found.append(Window(f"{fault} (in each run at another time)", ((min(times), max(times)),)))
+    return tuple(found)

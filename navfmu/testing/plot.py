@@ -27,11 +27,12 @@ def plot(run: Flown, signals: Sequence[str]) -> bytes:
         name for name in dict.fromkeys([*signals, *(name for r in required for name in r.signals)]) if name in columns
     ]
     recorded = Recorded(run.name, run.frame.index.to_numpy(), columns, run.experiment.points)
+    acted = run.frame.attrs["acted"]
     own = system.report.pictures if system.report else ()
     pictures = _pictures(first, [p for p in own if not missing(p, system.fmus)], columns)
     return _below_one_another(
         [
-            picture.draw(scene_of(picture, run.experiment, [recorded], recorded, run.title, bounds)).png
+            picture.draw(scene_of(picture, run.experiment, [recorded], recorded, [acted], run.title, bounds)).png
             for picture in pictures
         ]
     )

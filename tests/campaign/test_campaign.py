@@ -19,7 +19,8 @@ from navfmu.campaign.requirement import Finding, Requirement, wilson
 from navfmu.campaign.runs import runs_of
 from navfmu.cli.main import main
 from navfmu.engine.clock import Clock
-from navfmu.engine.monitor import Observed, Observer, tables
+from navfmu.engine.monitor import Observed, Observer, table
+from navfmu.engine.operations import Operations
 from navfmu.errors import NavfmuError
 from navfmu.expressions.meaning import compile_expression
 from tests.components import systems
@@ -253,8 +254,9 @@ def requirement(**given) -> Requirement:
 def judge(asked: Requirement, time: np.ndarray, values: np.ndarray) -> Finding | None:
     """What a run says whose signal has these values at its first communication points, which are ``time``."""
     clock = Clock.of(1.0, time[-1])
-    rows, operations = tables([asked.monitor], [(asked.program, None)], lambda source: (0, 1.0, 0.0), clock)
-    observer = Observer(rows[0], operations)
+    operations = Operations(lambda source: (0, 1.0, 0.0), ())
+    rows = table([asked.monitor], [(asked.program, None)], operations, clock)
+    observer = Observer(rows[0], operations.table)
     for k, value in enumerate(values):
         observer.observe([value], k, clock.time(k))
     return requirement_module.judge(asked, Observed.of(observer.row, clock, len(values) - 1))

@@ -50,7 +50,7 @@ def test_a_picture_stands_beside_the_recording(recording, scenes):
         f"sensor.reading.{member}" for member in ("length", "valid", "sequence", "time_of_validity")
     }
     assert scene.label == "tracker, seed 2" and scene.unit("lag.y") == "m"
-    assert [(w.name, w.start, w.end) for w in scene.windows] == [("F1", 5.0, 10.0)]
+    assert [(w.name, w.spans) for w in scene.windows] == [("F1", ((5.0, 10.0),))]
 
 
 def test_patterns_components_and_lists_with_commas_name_signals(recording, scenes, tmp_path):

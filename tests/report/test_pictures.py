@@ -84,8 +84,8 @@ def test_equal_bounds_share_a_line_and_none_is_left_out(drawing):
 
 
 def test_each_fault_is_named_once_above_the_panels_and_not_in_the_legend(drawing):
-    windows = (Window("jam", 10.0), Window("off", 20.0, 30.0), Window("off", 20.0, 30.0), Window("stuck", 20.0, 30.0))
-    windows += tuple(Window(f"f{i}", 40.0 + i, 60.0 + i) for i in range(8))
+    windows = (Window("jam", ((10.0, np.inf),)), *(Window(name, ((20.0, 30.0),)) for name in ("off", "off", "stuck")))
+    windows += tuple(Window(f"f{i}", ((40.0 + i, 60.0 + i),)) for i in range(8))
     draw_percentiles([TIME, TIME], windows=windows)
     (axis,) = drawing[0].axes
     named = [text.get_text().strip() for text in axis.texts]
@@ -239,7 +239,7 @@ def test_runs_that_ended_early_count_up_to_there_and_are_said(drawing):
 
 def test_pictures_of_one_run_reach_to_its_planned_end(drawing):
     run = Recorded("seed 1", TIME[:1], {"a.y": TIME[:1]}, TIME)
-    windows = (Window("late", 50.0),)
+    windows = (Window("late", ((50.0, np.inf),)),)
     bounds = (Bound("R", "a.y", None, 2.0, "m", 50.0),)
     scenes = Scene("", (run,), run, {"a.y": "m"}, windows, bounds)
     for picture in (
