@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from navfmu.engine.component import Component
-from navfmu.engine.target import Element, Key, bundles, place
+from navfmu.engine.target import Element, Key, bundles, of_bundle, place
 from navfmu.faults.types import COMPONENT, TYPES, FaultType
 from navfmu.fmi import names
 from navfmu.fmi.units import alike
@@ -59,7 +59,8 @@ def _bundles(component: Component, sources: Mapping[Key, str]) -> list[Target]:
     found = []
     for bundle in bundles(component, sources):
         members = names.group(component.description.by_name, bundle).values()
-        elements = [Element(component, component.description.by_name[name]) for name in members]
+        variables = of_bundle(component, bundle, (component.description.by_name[name] for name in members))
+        elements = [Element(component, variable) for variable in variables]
         signals = [e for e in elements if TYPES["dropout"].supports(_place(e, sources), e.variable.type)]
         types = [n for n, kind in TYPES.items() if kind.bundles and any(_supports(kind, [e], sources) for e in signals)]
         source = names.bundle(sources.get((component.name, f"{bundle}.valid"), ""))

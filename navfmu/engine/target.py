@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from navfmu.engine.component import Component
@@ -71,6 +71,12 @@ def bundles(component: Component, connected: Collection[Key]) -> list[str]:
     return sorted(bundle for bundle in found if f"{bundle}.sequence" in signals)
 
 
+def of_bundle(component: Component, bundle: str, variables: Iterable[Variable]) -> list[Variable]:
+    """Those that arrive or leave with a bundle: an output in which its receiver counts what it has lost does not."""
+    valid = component.description.by_name.get(f"{bundle}.valid")
+    return [variable for variable in variables if valid is None or variable.causality == valid.causality]
+
+
 def _elements(
     fault: Fault, target: str, components: Mapping[str, Component], connected: Collection[Key]
 ) -> list[Element]:
@@ -92,7 +98,7 @@ def _elements(
         which = ", ".join(members[:4]) + (" ..." if len(members) > 4 else "")
         raise fault.error(f"'{target}' is a bundle, type '{fault.type}' acts on members of it: {which}", "target")
     if members:
-        variables = [variable for variable in able if variable.name in members]
+        variables = of_bundle(component, signal, (variable for variable in able if variable.name in members))
         if not variables:
             raise fault.error(f"type '{fault.type}' acts on {kind.targets}, but '{target}' has none of them", "target")
     for variable in variables:

@@ -108,3 +108,14 @@ def test_a_name_that_is_none_is_a_sentence():
     assert "nothing that can fail has the name 'lga.y'; did you mean 'lag.y'?" in output(
         systems.tracker(), "lga.y", code=2
     )
+
+
+@pytest.mark.parametrize("kind", ["stuck", "delay", "dropout"])
+def test_a_bundle_that_arrives_leaves_what_its_receiver_counts_alone(system, targets, kind):
+    """'estimator.reading.lost' is an output of the estimator, whose name begins like the bundle at its input."""
+    target = next(target for target in targets if target.name == "estimator.reading")
+    members = ["length", "sequence", "time_of_validity", "valid"]
+    assert sorted(element.variable.name for element in target.elements) == [f"reading.{name}" for name in members]
+    parameters = {"delay": 1.0} if kind == "delay" else {}
+    made = plan(system, Fault("x", "estimator.reading", kind, parameters=parameters))
+    assert "estimator.reading.lost" not in {made.signals[slot] for slot in made.effects["slot"]}
