@@ -23,8 +23,8 @@ from navfmu.files.writing import write_file
 
 RUNTIME = Path(__file__).parent / "runtime"
 LICENSES = Path(__file__).parent / "licenses"
-#: What the compiler is given; it includes the other files.
-UNITS = ("fmu.c",)
+#: What the compiler is given of these; it includes the others.
+UNIT = "fmu.c"
 
 #: ``progress(done, total, note)``
 Progress = Callable[[int, int, str], None]
@@ -44,6 +44,7 @@ class Sources:
 
     model: ir.Model
     guid: str
+    units: tuple[str, ...]  # what the compiler is given
     files: dict[str, str]  # C sources and headers
     description: str
     component: type | None = None
@@ -164,8 +165,11 @@ def prepare(model: ir.Model, component: type | None = None) -> Sources:
     """Generate the C code and the description of a model; the GUID is a hash of all that the binary depends on."""
     runtime = {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("*.[ch]"))}
     runtime["life.h"] = life.header()
+    units = (UNIT,)
+    if model.through:
+        runtime, units = runtime | model.through.files, (UNIT, model.through.unit)
     code = codegen.generate(model, archive.NO_GUID)
-    xml = description.describe(model, archive.NO_GUID, sources=UNITS)
+    xml = description.describe(model, archive.NO_GUID, sources=units)
     guid = archive.guid(
         code,
         xml,
@@ -174,7 +178,7 @@ def prepare(model: ir.Model, component: type | None = None) -> Sources:
         toolchain.version(),
     )
     files = {"model.c": code.replace(archive.NO_GUID, guid), **runtime}
-    return Sources(model, guid, files, xml.replace(archive.NO_GUID, guid), component)
+    return Sources(model, guid, units, files, xml.replace(archive.NO_GUID, guid), component)
 
 
 def library(sources: Sources, platform: str) -> Path:
@@ -188,7 +192,7 @@ def library(sources: Sources, platform: str) -> Path:
         with tempfile.TemporaryDirectory(prefix="navfmu-", dir=folder.parent) as scratch:
             for file, text in sources.files.items():
                 (Path(scratch) / file).write_text(text, encoding="utf-8", newline="\n")
-            units = [Path(scratch) / unit for unit in UNITS]
+            units = [Path(scratch) / unit for unit in sources.units]
             toolchain.compile_shared(units, folder / name, platform, include=[scratch])
 
     return cache.keep("compiled", f"{digest.hexdigest()[:32]}-{platform}", fill) / name

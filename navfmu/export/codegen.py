@@ -26,8 +26,8 @@ def clocks(model: ir.Model) -> list[int]:
 
 
 def continuous_inputs(model: ir.Model) -> list[int]:
-    """Return the indices of the inputs that may have a derivative."""
-    return [v.index for v in model.variables if is_continuous_input(v)]
+    """Return the indices of the inputs that may have a derivative; what passes through has its value only."""
+    return [] if model.through else [v.index for v in model.variables if is_continuous_input(v)]
 
 
 def is_continuous_input(variable: ir.Variable) -> bool:
@@ -115,6 +115,11 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         (f"{{{_text(t.name + '.csv')}, {_text(table_header(t))}, {len(t.columns)}}}" for t in model.tables),
     )
 
+    if model.through:
+        yield f"void {model.name}_through(double *v, double *memory, int64_t k);"
+        yield ""
+        yield from _array("double", "model_memory", map(c_number, model.through.memory))
+
     def most(values: Iterable[int]) -> int:
         return max(values, default=0)
 
@@ -139,6 +144,11 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "fix": "fixed_values",
         "seed": -1 if model.seed is None else model.seed,
         "stream": -1 if model.stream is None else model.stream,
+        "through": f"{model.name}_through" if model.through else 0,
+        "direct": int(bool(model.through and model.through.direct)),
+        "memory_count": len(model.through.memory) if model.through else 0,
+        "memory": "model_memory" if model.through else 0,
+        "step": c_number(model.through.step if model.through else 0.0),
         "has_calculated": int(any(v.initial == "calculated" for v in model.variables)),
         "most_normals": most(task.normals for task in model.tasks),
         "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),

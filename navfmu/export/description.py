@@ -11,6 +11,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir, life
 from navfmu.export.codegen import clocks, continuous_inputs
 from navfmu.export.graph import elements_used
+from navfmu.fmi.units import BASE
 
 #: Symbols that units are made of, such as m2/s3 or kg/m3: exponents of the base units (all factors are 1).
 SYMBOLS: dict[str, dict[str, int]] = {
@@ -96,7 +97,7 @@ def check_units(model: ir.Model) -> None:
         where = f"component '{model.name}', variable '{variable.name}'"
         unit, display = variable.unit, variable.display_unit
         try:
-            base_units(unit or "1")
+            _base_of(model, unit or "1")
         except NavfmuError as error:
             raise NavfmuError(f"{where}: {error}") from None
         if display is not None and display != unit and display not in DISPLAY_UNITS.get(unit or "", {}):
@@ -131,6 +132,9 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
             seeds = {model.seed, model.stream} if drawn else set()
             found.append(set().union(*(depends[i] for i in used | seeds)))
         depends.update(zip(task.targets, found, strict=True))
+    if model.through:
+        seed = set() if model.seed is None else {model.seed}
+        depends |= {index: seed.union(inputs) for index, inputs in model.through.dependencies.items()}
     return [
         (v.index, tuple(sorted(depends[v.index])))
         for v in model.variables
@@ -158,7 +162,7 @@ def _lines(
     capabilities = {
         "modelIdentifier": identifier,
         "needsExecutionTool": needs_tool,
-        "canHandleVariableCommunicationStepSize": True,
+        "canHandleVariableCommunicationStepSize": model.through is None,
         "canInterpolateInputs": bool(interpolate and continuous_inputs(model)),
         "maxOutputDerivativeOrder": 0,
         "canRunAsynchronuously": False,
@@ -181,7 +185,7 @@ def _lines(
     )
     yield "  </LogCategories>"
     periods = [model.variables[i].start for i in clocks(model)]
-    step = min(periods, default=0.01)
+    step = min(periods, default=model.through.step if model.through else 0.01)
     experiment = {
         "startTime": 0.0,
         "stopTime": max(10.0, 100 * max(periods, default=0.01)),
@@ -215,13 +219,22 @@ def _units(model: ir.Model) -> Iterable[str]:
     yield "  <UnitDefinitions>"
     for unit in used:
         yield f"    <Unit name={quoteattr(unit)}>"
-        yield "      " + _tag("BaseUnit", base_units(unit), closed=True)
+        yield "      " + _tag("BaseUnit", _base_of(model, unit), closed=True)
         for name, (factor, offset) in DISPLAY_UNITS.get(unit, {}).items():
             if any(v.unit == unit and v.display_unit == name for v in model.variables):
                 numbers = {"name": name, "factor": factor, "offset": offset or None}
                 yield "      " + _tag("DisplayUnit", numbers, closed=True)
         yield "    </Unit>"
     yield "  </UnitDefinitions>"
+
+
+def _base_of(model: ir.Model, unit: str) -> dict[str, object]:
+    """The attributes of a unit's definition; where nothing is known of it there are none."""
+    if unit not in model.units:
+        return base_units(unit)
+    own = model.units[unit]
+    powers = {name: power for name, power in zip(BASE, own.exponents or (), strict=False) if power}
+    return powers | {"factor": own.factor if own.factor != 1.0 else None, "offset": own.offset or None}
 
 
 def _variable(variable: ir.Variable) -> Iterable[str]:
@@ -263,7 +276,10 @@ def _structure(model: ir.Model) -> Iterable[str]:
         return
     yield "  <ModelStructure>"
     yield "    <Outputs>"
-    yield from (f'      <Unknown index="{index + 1}" dependencies=""/>' for index in outputs)
+    direct = model.through.dependencies if model.through and model.through.direct else {}
+    for index in outputs:
+        numbers = " ".join(str(i + 1) for i in direct.get(index, ()))
+        yield f'      <Unknown index="{index + 1}" dependencies="{numbers}"/>'
     yield "    </Outputs>"
     unknowns = initial_unknowns(model)
     if unknowns:

@@ -11,10 +11,12 @@ Arrays are contiguous, so that FMI 3.0 array variables need no other layout.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from navfmu.export.graph import Node
+from navfmu.fmi.units import Unit
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,23 @@ class Check:
 
 
 @dataclass(frozen=True)
+class Through:
+    """C of its own that calculates outputs from inputs at communication points, which lie one step size apart.
+
+    What leaves at the end of a step comes from what was set before it; where it is ``direct``, whenever an output is
+    read, from what was set last. ``unit`` is a file of ``files`` that is compiled beside the runtime and has
+    ``void <model>_through(double *v, double *memory, int64_t k)``, as ``model.h`` tells.
+    """
+
+    step: float  # s
+    direct: bool
+    dependencies: Mapping[int, tuple[int, ...]]  # for each output the inputs on which it depends, indices in v
+    memory: tuple[float, ...]  # before the start
+    unit: str
+    files: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class Model:
     """A component, ready to be turned into an FMU."""
 
@@ -97,3 +116,5 @@ class Model:
     seed: int | None = None  # index in v of the fixed Integer parameters that key the noise
     stream: int | None = None
     documentation: dict[str, Any] = field(default_factory=dict)
+    through: Through | None = None
+    units: Mapping[str, Unit] = field(default_factory=dict)  # that are not made of SI symbols

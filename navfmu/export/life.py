@@ -120,6 +120,9 @@ MESSAGES = {
     "NO_NUMBER": _error("Parameter '%s' is not a number."),
     "NO_PERIOD": _error("Parameter '%s' is %.9g s; expected a period longer than 0 s."),
     "NO_STEP": _error("The communication step size is %.9g s at %.15g s; expected a positive number."),
+    "OTHER_STEP": _error(
+        "The communication step size is %.9g s at %.15g s; this instance counts communication points of %.9g s."
+    ),
     "OTHER_TIME": _error(
         "A step from %.15g s was asked for, but this instance is at %.15g s; to go back, restore a saved state."
     ),

@@ -209,8 +209,10 @@ SELDOM static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, 
     return fmi2Error;
 }
 
-/* Before values are read: in initialisation mode, what is calculated follows what was set so far. */
+/* Before values are read: in initialisation mode, what is calculated follows what was set so far; so do, between two
+   steps, outputs that follow inputs directly. */
 static inline int before_get(Slave *slave) {
+    if (model.direct && slave->core.state->phase == STEPPING) instance_pass(&slave->core);
     if (!model.has_calculated || slave->core.state->phase != INITIALIZATION) return 0;
     return instance_preview(&slave->core);
 }
@@ -345,8 +347,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference known[], size_t known_count, const fmi2Real dv_known[],
                                         fmi2Real dv_unknown[]) {
     (void)unknown, (void)unknown_count, (void)known, (void)known_count, (void)dv_known, (void)dv_unknown;
-    return refuse(c, "This FMU has no directional derivatives (providesDirectionalDerivative is false): its outputs "
-                     "depend on its state alone.");
+    return refuse(c, "This FMU has no directional derivatives (providesDirectionalDerivative is false).");
 }
 
 /* ---- stepping ---- */

@@ -49,6 +49,7 @@ static size_t lay_out_state(Instance *self, char *base) {
     self->slopes = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->counts = take(base, &size, at_least_one(model.clock_count), sizeof(int64_t));
     self->last = take(base, &size, at_least_one(model.task_count), sizeof(int64_t));
+    self->remembered = take(base, &size, at_least_one(model.memory_count), sizeof(double));
     return size;
 }
 
@@ -105,6 +106,7 @@ static void instance_reset(Instance *self) {
     self->state->phase = INSTANTIATED;
     self->state->stop = INFINITY;
     for (int i = 0; i < model.variable_count; i++) self->v[i] = model.variables[i].start;
+    for (int i = 0; i < model.memory_count; i++) self->remembered[i] = model.memory[i];
     clear_slopes(self);
 }
 
@@ -143,11 +145,17 @@ static void look_up(Instance *self, double time) {
     }
 }
 
+static inline void instance_pass(Instance *self) {
+    model.through(self->v, self->remembered, self->state->steps);
+    self->state->passed = 1;
+}
+
 static int run_start_tasks(Instance *self) {
     look_up(self, self->state->start);
     for (int i = 0; i < model.task_count; i++) {
         if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start)) return 1;
     }
+    if (model.through) instance_pass(self);
     return 0;
 }
 
@@ -308,7 +316,16 @@ static int instance_step(Instance *self, double time, double h) {
     }
     const int plain = fabs(time - self->state->time) <= 1e-9 * h && end <= self->state->stop;
     if (!plain && !fits_in(self, time, h, end)) return 1;
-    if (advance(self, h, end) == 0) return 0;
+    if (model.step > 0 && fabs(h - model.step) > 1e-6 * model.step) {
+        instance_say(self, SAY_OTHER_STEP, h, time, model.step);
+        return 1;
+    }
+    if (model.direct && !self->state->passed) instance_pass(self); /* nobody has asked at this point */
+    self->state->passed = 0;
+    if (advance(self, h, end) == 0) {
+        if (model.through && !model.direct) instance_pass(self);
+        return 0;
+    }
     self->state->phase = FAILED;
     return 1;
 }

@@ -15,7 +15,7 @@
 #define SELDOM
 #endif
 
-/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last; saving, restoring and resetting are copies of it. */
+/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last, remembered; saving, restoring and resetting are copies of it. */
 typedef struct {
     double time;          /* communication point */
     double start, stop;   /* of the experiment; stop is INFINITY when it was not given */
@@ -24,6 +24,7 @@ typedef struct {
     double step, alike;   /* and of that run: their size and number */
     int64_t steps;        /* done */
     int64_t phase;
+    int64_t passed;     /* outputs that follow inputs directly have left at this communication point */
     int64_t slopes_set; /* some input has a derivative for the coming step */
 } State;
 
@@ -41,6 +42,7 @@ struct Instance {
     double *slopes;   /* du/dt of each continuous input, for the coming step; -0 for none */
     int64_t *counts;  /* ticks done, for each clock */
     int64_t *last;    /* sequence number last seen, for each task */
+    double *remembered; /* by what passes through */
 
     State *before;    /* copy of the block while outputs are shown in initialisation mode, */
     int previewed;    /* which `before` undoes */
@@ -70,6 +72,9 @@ static int instance_start(Instance *self);
 
 /* The block holds another state now: bring along what lies outside of it. */
 static void instance_follow(Instance *self);
+
+/* Calculate what passes through, from what was set last. */
+static inline void instance_pass(Instance *self);
 
 /* Do all that is due in a step of h from the host's time. Returns 0, or 1 after reporting why it cannot be done. */
 static int instance_step(Instance *self, double time, double h);

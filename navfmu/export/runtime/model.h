@@ -26,6 +26,10 @@ typedef void Evaluate(const double *v, const double *noise, const double *time, 
 /* Calculates from the variables what stands once initialisation has ended. */
 typedef void Fix(const double *v, double *fixed);
 
+/* Calculates, from the inputs in v, the outputs as they leave at communication point k, and what is remembered for later
+   points. The last call at a point counts. */
+typedef void Through(double *v, double *memory, int64_t k);
+
 typedef enum { ON_START, ON_CLOCK, ON_NEW } TaskKind;
 
 /* One piece of behaviour: evaluate, then v[targets[i]] = r[i]. */
@@ -79,6 +83,11 @@ typedef struct {
     int seed, stream;            /* index in v of the parameters that key the noise, or -1 */
     int fixed_count;             /* how many numbers fix calculates */
     Fix *fix;
+    Through *through;            /* or NULL */
+    int direct;                  /* its outputs follow inputs that are set at the same communication point */
+    int memory_count;            /* numbers that it remembers, */
+    const double *memory;        /* as they are before the start */
+    double step;                 /* the only communication step that it knows (s); 0: any will do */
     int has_calculated;          /* some variable is calculated in initialisation mode */
     int most_normals, most_targets, row_values; /* sizes of what the functions read and write */
 } Model;
