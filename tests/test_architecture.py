@@ -18,6 +18,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "faults",
     "engine",
     "system",
+    "sabotage",
     "recorded",
     "sweep",
     "campaign",

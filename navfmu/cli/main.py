@@ -19,6 +19,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
     "plot": ("navfmu.cli.plot", "Draw signals of a recording."),
     "run": ("navfmu.cli.run", "Run a system once."),
+    "sabotage": ("navfmu.cli.sabotage", "Build faults into a system, for masters that know no faults."),
     "schema": ("navfmu.cli.schema", "Print the JSON schema of a campaign, fault or report file, for editors."),
     "sweep": ("navfmu.cli.sweep", "Run a system at several step sizes, and compare."),
     "track": ("navfmu.cli.track", "Make an FMU from a recorded track."),

@@ -1,4 +1,4 @@
-"""Small components that tests connect into systems: a source, a lag, a noisy sensor, an estimator."""
+"""Small components that tests connect into systems: sources, a lag, a noisy sensor, an estimator."""
 
 from __future__ import annotations
 
@@ -75,4 +75,22 @@ class Estimator(Component):
         self.solution.publish(length=estimate, valid=True)
 
 
-ALL = (Source, Lag, Sensor, Estimator)
+class Two(Component):
+    """Two lengths that are known at all times."""
+
+    y = Output("m", description="sin(t)")
+    z = Output("m", description="10 + t")
+    sample_period = Parameter("s", start=0.01, min=1e-4, description="time between values")
+
+    @start
+    def begin(self):
+        self.y = 0.0 * self.sample_period
+        self.z = 10.0 + 0.0 * self.sample_period
+
+    @every("sample_period")
+    def step(self):
+        self.y = np.sin(self.time)
+        self.z = 10.0 + self.time
+
+
+ALL = (Source, Lag, Sensor, Estimator, Two)

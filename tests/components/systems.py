@@ -16,7 +16,7 @@ _kept: list[TemporaryDirectory] = []  # removed when the process ends
 
 @cache
 def fmus() -> Path:
-    """A folder with source.fmu, lag.fmu, sensor.fmu and estimator.fmu."""
+    """A folder with source.fmu, lag.fmu, sensor.fmu, estimator.fmu and two.fmu."""
     _kept.append(TemporaryDirectory(prefix="navfmu-tests-"))
     folder = Path(_kept[0].name)
     build(ALL, folder)
@@ -53,3 +53,12 @@ def tracker() -> Path:
     )
     source.attach("faults/stuck.toml", faults)
     return source.pack(fmus() / "tracker.ssp")
+
+
+@cache
+def pair() -> Path:
+    """One source of two lengths, each for a lag of its own."""
+    source = SystemSource("pair", fmus=fmus(), stop_time=20.0, step=0.1, description="two lengths")
+    source.component("truth", "two.fmu").component("one", "lag.fmu").component("two", "lag.fmu")
+    source.connect("truth.y", "one.u").connect("truth.z", "two.u")
+    return source.pack(fmus() / "pair.ssp")
