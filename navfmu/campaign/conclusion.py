@@ -92,23 +92,25 @@ def confidence(story: Story) -> list[str]:
             f"that hold is at least {ends}: the lower end of its 95 % interval (Wilson). That a requirement holds in "
             "the runs flown is a finding about these runs; it is no proof for the flights that were not flown."
         )
+    every: dict[int, list[str]] = {}
     for one in asked(story):
         share, name = one.requirement["runs"], one.requirement["id"]
         if not one.cells:
             continue
         if one.requirement["quantile"] is not None:
             found.append(f"{name} is asked of a percentile of the runs, for which no interval is claimed.")
-            continue
-        if share >= 100.0:
-            found.append(
-                f"{name} asks for every run. No number of runs can show that; {lowest(counts[-1]):.1f} % is what "
-                f"{counts[-1]} of {counts[-1]} can show."
-            )
+        elif share >= 100.0:
+            every.setdefault(max(cell["distinct"] for _, cell in one.cells), []).append(name)
         else:
             found.append(
                 f"{name} asks for {share:g} % of the runs, which takes at least {needed(share)} runs without a "
                 f"violation to show; it is shown in {one.shown} of {len(one.cells)} variants and cases."
             )
+    for count, names in every.items():
+        found.append(
+            f"{_some(names)} ask{'s' * (len(names) == 1)} for every run. No number of runs can show that; "
+            f"{lowest(count):.1f} % is what {count} of {count} can show."
+        )
     return found
 
 

@@ -187,6 +187,8 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
         sentence += "" if requirement.events else f", inside for {percent(finding.percent)} of the time"
         if finding.first_violation is not None:
             sentence += f", first {'' if requirement.events else 'violated '}at t = {finding.first_violation:.9g} s"
+    never = sum(j.error is None for j in group) - len(found)
+    sentence += f"; in {never} it was never asked, which counts as not held" if never else ""
     sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(group))
 

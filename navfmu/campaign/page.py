@@ -226,10 +226,10 @@ def _fmea(result: Page, story: Story) -> None:
         held = ["not asked" if pair is None else f"{pair[0]} of {pair[1]}" for pair in line["held"]]
         told = [f"{line['noticed']} of {line['runs']}"] if story["noticing"] else []
         idle = f"; changed nothing in {line['idle']} runs" if line["idle"] else ""
-        rows.append([line["line"], what + idle, _some(line["cases"]), str(line["runs"]), *held, *told])
+        rows.append([line["line"], what + idle, _some(line["cases"]), str(line["runs"]), *told, *held])
         every = ["none" if pair is None else "good" if pair[0] == pair[1] else "bad" for pair in line["held"]]
-        styles.append([None] * 4 + every + [None] * len(seen))
-    headings = ["FMEA", "injected", "cases", "runs", *(f"{name} holds in" for name in ids), *seen]
+        styles.append([None, "words", None, None, *(None for _ in seen), *every])
+    headings = ["FMEA", "injected", "cases", "runs", *seen, *(f"{name} holds in" for name in ids)]
     result.table(headings, rows, lambda row, column: styles[row][column])
     if any(line["line"] == NONE for line in lines):
         result.text(f"{NONE}: these faults name no line ('fmea' in their file).")

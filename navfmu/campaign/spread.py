@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -28,16 +29,17 @@ def spread(story: Story) -> Iterator[Drawn]:
             findings = _findings(story, group, number)
             if findings:
                 label = f"{group['variant']}, {story['cases'][group['case']]['name']}"
-                values, held = zip(*((f["worst"], f["held"]) for f in findings), strict=True)
+                values, held = zip(*((_worst(f), f["held"]) for f in findings), strict=True)
                 found.append(Strip(label, values, held))
-        if not found or not _worth(requirement, [value for strip in found for value in strip.values]):
+        every = [value for strip in found for value in strip.values]
+        if not found or not _worth(requirement, every):
             continue
         runs, bad = sum(len(s.held) for s in found), sum(s.held.count(False) for s in found)
         heading = f"{requirement['id']}: {requirement['signal']} of {runs} runs at its worst time, {bad} not as asked"
         shown = found[:ROWS]
         rest = f"; the {len(found) - ROWS} combinations in which most runs hold are left out" if found[ROWS:] else ""
-        bounds = _bounds(requirement)
-        yield strips(heading, "worst value", requirement["unit"], shown, bounds, f"{_capital(CROSS)}{rest}.")
+        caption = f"{_capital(CROSS)}{rest}.{_without(every)}"
+        yield strips(heading, "worst value", requirement["unit"], shown, _bounds(requirement), caption)
 
 
 def sweeps(story: Story) -> Iterator[Drawn]:
@@ -48,10 +50,11 @@ def sweeps(story: Story) -> Iterator[Drawn]:
             groups: dict[str, list[tuple[float, float, bool]]] = {}
             for run in story["runs"]:
                 place, finding = run["values"][axis], run["findings"][number]
-                if _is_number(place) and finding is not None and finding["worst"] is not None:
-                    groups.setdefault(run["variant"], []).append((place, finding["worst"], finding["held"]))
+                if _is_number(place) and finding is not None:
+                    groups.setdefault(run["variant"], []).append((place, _worst(finding), finding["held"]))
             every = [point for points in groups.values() for point in points]
-            if len({place for place, _, _ in every}) < 2 or not _worth(requirement, [v for _, v, _ in every]):
+            values = [value for _, value, _ in every]
+            if len({place for place, _, _ in every}) < 2 or not _worth(requirement, values):
                 continue
             count += 1
             if count > MANY:
@@ -63,7 +66,7 @@ def sweeps(story: Story) -> Iterator[Drawn]:
                 requirement["unit"],
                 {name: Points(*zip(*sorted(points), strict=True)) for name, points in groups.items()},
                 _bounds(requirement),
-                f"{len(every)} runs; {CROSS}.",
+                f"{len(every)} runs; {CROSS}.{_without(values)}",
             )
 
 
@@ -77,12 +80,24 @@ def _along_heading(requirement: dict[str, Any], axis: str, points: list[tuple[fl
 
 def _findings(story: Story, group: dict[str, Any], number: int) -> list[dict[str, Any]]:
     found = (story["runs"][run]["findings"][number] for run in group["runs"])
-    return [finding for finding in found if finding is not None and finding["worst"] is not None]
+    return [finding for finding in found if finding is not None]
+
+
+def _worst(finding: dict[str, Any]) -> float:
+    """The worst value; NaN where it is no number."""
+    return math.nan if finding["worst"] is None else finding["worst"]
+
+
+def _without(values: list[float]) -> str:
+    """What is to be said of runs that have no mark."""
+    count = sum(math.isnan(value) for value in values)
+    return f" {count} of the {len(values)} runs have no mark: their worst value is no number." if count else ""
 
 
 def _worth(requirement: dict[str, Any], values: list[float]) -> bool:
     """Whether there is more to see than false and true."""
-    return requirement["unit"] not in ("", "1") or len(set(values)) > 2
+    finite = {value for value in values if not math.isnan(value)}
+    return bool(finite) and (requirement["unit"] not in ("", "1") or len(finite) > 2)
 
 
 def _bounds(requirement: dict[str, Any]) -> list[float]:

@@ -72,6 +72,12 @@ def test_events_are_counted(tmp_path, more, count, passed):
     assert f" at most {most} times" in cell.requirement.sentence
 
 
+def test_what_is_never_asked_says_so(tmp_path):
+    """A verdict without a reason: violated, and nothing to be seen of it."""
+    outcome = flown(tmp_path, 'signal = "m0.y"\nat_most = 2.0\nwhen = "time > 5 s"')
+    assert outcome.cells[0].sentence == "held in 0 of 1 runs; in 1 it was never asked, which counts as not held"
+
+
 def test_a_quantile_may_be_of_an_expression(tmp_path):
     outcome = flown(tmp_path, 'signal = "m0.y * 2 + time * 1 m/s"\nat_most = 2.9\nquantile = 0.5')
     assert "50th percentile of 1 runs at worst 3 m at t = 1 s" in outcome.cells[0].sentence

@@ -135,6 +135,22 @@ def test_a_number_of_runs_shows_so_much_and_no_more(told):
     assert "R-2 asks for every run. No number of runs can show that" in said[2]
 
 
+def test_requirements_that_ask_for_every_run_share_a_sentence_with_what_their_own_runs_can_show():
+    def cell(distinct: int) -> dict:
+        return {"passed": True, "distinct": distinct, "interval": [0.0, 100.0], "rank": [1.0, 1.0, 1.0]}
+
+    ids = ("A", "B", "C")
+    tale = {
+        "requirements": [{"id": name, "runs": 100.0, "quantile": None} for name in ids],
+        "cases": [{"name": "one"}],
+        "groups": [{"variant": "main", "case": 0, "cells": [cell(4), cell(9), cell(4)]}],
+    }
+    assert [sentence.partition(" ask")[0] for sentence in confidence(tale)[1:]] == ["A, C", "B"]
+    for sentence, count in zip(confidence(tale)[1:], (4, 9), strict=True):
+        low = 100 * binomtest(count, count).proportion_ci(method="wilson").low
+        assert sentence.endswith(f"{low:.1f} % is what {count} of {count} can show.")
+
+
 @pytest.mark.parametrize("runs", [1, 4, 8, 35, 1000])
 def test_the_lowest_end_is_that_of_wilson(runs):
     assert lowest(runs) == pytest.approx(100 * binomtest(runs, runs).proportion_ci(method="wilson").low)

@@ -13,6 +13,7 @@ import pytest
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.drawn import LIMIT, Drawn, drawn, stretches
 from navfmu.campaign.page import page
+from navfmu.campaign.story import story
 from navfmu.report.packed import packed, unpacked
 from navfmu.report.panel import Curve, Panel
 from tests.campaign.test_conclusion import CAMPAIGN, FAULTS
@@ -186,6 +187,26 @@ def test_what_is_printed_fits_and_has_what_one_signs(browser, tmp_path):
     assert browser.value("document.documentElement.scrollWidth") <= 703
     cut = "[...document.querySelectorAll('td')].filter(c => c.scrollWidth > c.clientWidth + 1).map(c => c.textContent)"
     assert browser.value(cut) == []
+
+
+def test_a_dozen_requirements_are_printed_without_making_the_page_smaller(outcome, tmp_path):
+    """A table that is wider than the paper makes the browser print everything in smaller letters."""
+    tale = story(outcome, lambda order: drawn(outcome, order))
+    ids = [f"GEOMETRY-{number}" for number in range(13)]
+    tale["requirements"] = [tale["requirements"][0] | {"id": name} for name in ids]
+    for group in tale["groups"]:
+        group["cells"] = group["cells"][:1] * len(ids)
+    for run in tale["runs"]:
+        run["findings"] = run["findings"][:1] * len(ids)
+    file = tmp_path / "report.html"
+    file.write_text(page(tale, [], {"versions": {}}, [], []).html(), encoding="utf-8")
+    with Browser(tmp_path) as browser:
+        browser.open(file)
+        browser.call("Emulation.setEmulatedMedia", media="print")
+        browser.call("Emulation.setDeviceMetricsOverride", width=703, height=1000, deviceScaleFactor=1, mobile=False)
+        assert browser.value("document.documentElement.scrollWidth") <= 703
+        ends = "Math.max(...[...document.querySelectorAll('td')].map(c => c.getBoundingClientRect().right))"
+        assert browser.value(ends) <= 703
 
 
 def test_without_scripts_the_tables_are_there(outcome, tmp_path):

@@ -67,6 +67,23 @@ def test_what_does_not_vary_or_is_no_number_has_no_picture(drawing):
     assert list(sweeps(story)) == [] and not drawing
 
 
+def test_runs_whose_worst_value_is_no_number_are_counted_though_they_have_no_mark(drawing):
+    """They are the worst of all: a picture that leaves them out in silence looks better than it is."""
+    story = tale()
+    for run in story["runs"][:2]:
+        run["findings"][0] |= {"worst": None, "held": False}
+    (found,) = spread(story)
+    assert found.title == "R: a.horizontal_error of 6 runs at its worst time, 4 not as asked"
+    assert found.caption.endswith(" 2 of the 6 runs have no mark: their worst value is no number.")
+    assert len(marks(drawing[0].axes[0], "o")) == 2
+    (found,) = sweeps(story)
+    assert found.title == "R along bias (m): not as asked from 1 to 3, as asked from 1 to 2"
+    assert found.caption.startswith("6 runs; ") and "2 of the 6 runs have no mark" in found.caption
+    for run in story["runs"]:
+        run["findings"][0]["worst"] = None
+    assert list(spread(story)) == [] and list(sweeps(story)) == []
+
+
 def test_false_and_true_are_not_spread(drawing):
     story = tale()
     story["requirements"][0] |= {"unit": "1", "bounds": [1.0, None]}
