@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 
+from navfmu.campaign.question import QUESTIONS
 from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.errors import NavfmuError, nearest
@@ -33,11 +34,16 @@ def requirement_of(
         for number, name in enumerate(getattr(entry, key) or ()):
             if name not in known:
                 raise error(f"'{key}': there is no '{name}' in this campaign{nearest(name, known)}", key, number)
-    if (entry.signal is None) == (entry.events is None):
-        raise error("expected either 'signal' or 'events'", "id" if entry.signal is None else "events")
+    kinds = [kind for kind in QUESTIONS if getattr(entry, kind) is not None]
+    if len(kinds) != 1:
+        every = ", ".join(f"'{kind}'" for kind in QUESTIONS)
+        raise error(f"expected one of {every}" + (", and no more" if kinds else ""), kinds[1] if kinds else "id")
+    (kind,) = kinds
+    of_faults = QUESTIONS[kind].of_faults
+    _check_entries(entry, kind, of_faults, error)
     asked = {name: systems[name] for name in entry.variants or systems}
-    program = _program(entry, asked, error, faults)
-    bounds = _bounds(entry, program, next(iter(asked.values())), error)
+    program = _program(entry, kind, asked, error, faults)
+    bounds = _bounds(entry, kind, program, next(iter(asked.values())), error)
     if not program.boolean and bounds == {"at_most": None, "at_least": None}:
         raise error("this requirement has neither 'at_most' nor 'at_least'", "id")
     if None not in bounds.values() and bounds["at_least"] > bounds["at_most"]:
@@ -48,8 +54,8 @@ def requirement_of(
         raise error("'runs' goes with 'percent', not with 'quantile', which is a share of the runs itself", "runs")
     if entry.quantile is not None and entry.expect == "violated":
         raise error("'expect' = 'violated' goes with 'percent', not with 'quantile'", "expect")
-    if entry.quantile is not None and (entry.when or entry.tolerance or entry.events):
-        key = "when" if entry.when else "tolerance" if entry.tolerance else "events"
+    if entry.quantile is not None and (entry.when or entry.tolerance or kind != "signal"):
+        key = "when" if entry.when else "tolerance" if entry.tolerance else kind
         raise error(f"'{key}' is asked within a run, and 'quantile' of all runs together", key)
     if entry.when:
         _compiled(entry.when, asked, True, "when", error, faults)
@@ -59,10 +65,10 @@ def requirement_of(
     begin, end = _window(entry, stop, error)
     return Requirement(
         id=entry.id,
-        signal=entry.signal if entry.events is None else entry.events,
+        signal=getattr(entry, kind),
         most=bounds["at_most"],
         least=bounds["at_least"],
-        unit="" if program.boolean or program.unit is None else program.unit.name,
+        unit="s" if of_faults else "" if program.boolean or program.unit is None else program.unit.name,
         percent=None if entry.quantile is not None else 100.0 if entry.percent is None else entry.percent,
         quantile=entry.quantile,
         runs=entry.runs,
@@ -71,7 +77,8 @@ def requirement_of(
         program=program,
         when=entry.when,
         tolerance=tolerance,
-        events=entry.events is not None,
+        kind=kind,
+        fault=entry.fault or "",
         expect_violated=entry.expect == "violated",
         severity=entry.severity,
         description=entry.description,
@@ -80,12 +87,31 @@ def requirement_of(
     )
 
 
+def _check_entries(entry: RequirementEntry, kind: str, of_faults: bool, error: Error) -> None:
+    """Entries that belong to faults, and those that do not."""
+    own = ("fault", "within")
+    for key in own if not of_faults else ():
+        if getattr(entry, key) is not None:
+            raise error(f"'{key}' goes with 'detects' or 'recovers', not with '{kind}'", key)
+    if not of_faults:
+        return
+    for key in ("at_most", "at_least", "when", "tolerance", "percent", "quantile", "begin", "end"):
+        if key in entry.model_fields_set:
+            name = RequirementEntry.model_fields[key].alias or key
+            raise error(f"'{name}' does not go with '{kind}', of which 'within' says how long it may take", name)
+    if entry.within is None:
+        raise error(f"'{kind}' needs 'within' beside it: how long it may take", kind)
+
+
 def _program(
-    entry: RequirementEntry, systems: Mapping[str, System], error: Error, faults: Collection[str] | None
+    entry: RequirementEntry, kind: str, systems: Mapping[str, System], error: Error, faults: Collection[str] | None
 ) -> Program:
     """The program of what is asked: the same unit in every variant."""
-    if entry.events is not None:
-        return next(iter(_compiled(entry.events, systems, True, "events", error, faults).values()))
+    if entry.fault is not None and faults is not None and entry.fault not in faults:
+        have = f" (faults: {', '.join(sorted(faults))})" if faults else ""
+        raise error(f"there is no fault '{entry.fault}'{nearest(entry.fault, faults)}{have}", "fault")
+    if kind != "signal":
+        return next(iter(_compiled(getattr(entry, kind), systems, True, kind, error, faults).values()))
     found = _compiled(str(entry.signal), systems, None, "signal", error, faults)
     first, *others = found
     for other in others:
@@ -117,9 +143,16 @@ def _compiled(
     return found
 
 
-def _bounds(entry: RequirementEntry, program: Program, system: System, error: Error) -> dict[str, float | None]:
+def _bounds(
+    entry: RequirementEntry, kind: str, program: Program, system: System, error: Error
+) -> dict[str, float | None]:
     """The bounds, in the unit of the program."""
-    if entry.events is not None:
+    if entry.within is not None:
+        within = _seconds(entry.within, "within", error)
+        if not 0 <= within < math.inf:
+            raise error(f"'within' is {entry.within!r}, expected a time in s, 0 or more", "within")
+        return {"at_most": within, "at_least": None}
+    if kind == "events":
         if entry.at_least is not None:
             raise error("of events there is an 'at_most' only", "at_least")
         count = 0 if entry.at_most is None else entry.at_most

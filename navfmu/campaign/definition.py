@@ -43,7 +43,7 @@ class Campaign:
     def searched(self, search: Search, variant: str) -> bool:
         """Whether a variant is searched: one that the requirement is asked of."""
         requirement = next(r for r in self.requirements if r.id == search.requirement)
-        return requirement.applies(variant, search.case.written)
+        return requirement.applies(variant, search.case)
 
     @property
     def steps(self) -> tuple[float, ...]:

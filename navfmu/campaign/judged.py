@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.campaign.definition import Campaign
-from navfmu.campaign.requirement import Finding, Requirement, judge
+from navfmu.campaign.finding import Finding
+from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.runs import Answer, Run
 from navfmu.engine.monitor import Observed
 
@@ -33,6 +34,17 @@ class Judged:
         """Why there are no findings."""
         return self.answer.error
 
+    @property
+    def onset(self) -> float | None:
+        """When the first of its faults began to act (s); None where none did."""
+        return min((begin for spans in self.answer.acted.values() for begin, _ in spans), default=None)
+
+    def latency(self, finding: Finding) -> float | None:
+        """How long after the first onset a requirement was first violated (s); None where it was not, or before."""
+        if self.onset is None or finding.first_violation is None or finding.first_violation < self.onset:
+            return None
+        return finding.first_violation - self.onset
+
     def holds(self, requirement: Requirement) -> bool:
         """Whether the run is as the requirement expects it; one that ended with an error is not."""
         finding = self.findings.get(requirement.id)
@@ -54,5 +66,5 @@ def judge_run(campaign: Campaign, run: Run, answer: Answer) -> Judged:
     if answer.error is not None:
         return Judged(run, answer, {})
     asked = [r for r in campaign.requirements if r.id in answer.observed]
-    found = {r.id: judge(r, Observed.restored(answer.observed[r.id])) for r in asked}
+    found = {r.id: r.question.judge(r, Observed.restored(answer.observed[r.id])) for r in asked}
     return Judged(run, answer, {name: finding for name, finding in found.items() if finding is not None})

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
-import numpy as np
 from lxml import etree
 
 from navfmu.campaign.judged import Judged
-from navfmu.campaign.outcome import Cell, Outcome, percent, told
-from navfmu.campaign.requirement import Finding, Requirement
+from navfmu.campaign.outcome import Cell, Outcome
 from navfmu.errors import visible
 from navfmu.files.writing import write_file
 
@@ -55,39 +52,13 @@ def violation(outcome: Outcome, cell: Cell) -> str:
     for judged in outcome.of(cell.variant, cell.case):
         finding = judged.findings.get(requirement.id)
         if requirement.quantile is None and finding is not None and not judged.holds(requirement):
-            lines.append(f"seed {judged.run.seed}: {_seen(requirement, finding)}")
+            lines.append(f"seed {judged.run.seed}: {requirement.question.seen(requirement, finding)}")
     failed = [judged for judged in outcome.of(cell.variant, cell.case) if judged.error is not None]
     lines += [f"seed {judged.run.seed}: {judged.error}" for judged in failed]
     shown = worst or next(iter(failed), None)
     if shown is not None:
         lines += [f"seed {shown.run.seed} again:", shown.run.experiment.command()]
     return "\n".join(lines)
-
-
-def _seen(requirement: Requirement, finding: Finding) -> str:
-    """What one run shows: "inside for 88.2 % of the time, first violated at t = 1412.3 s, worst 1403 m at ..."."""
-    if requirement.events:
-        words = [f"{finding.worst:g} times"]
-    else:
-        words = [f"inside for {percent(finding.percent)} of the time"]
-    if finding.first_violation is not None:
-        words.append(f"first {'' if requirement.events else 'violated '}at t = {finding.first_violation:.9g} s")
-    if finding.reached and not requirement.events and not requirement.truth:
-        words.append(_worst(requirement, finding))
-    if finding.missing:
-        words.append(f"{finding.missing} points were not reached")
-    return ", ".join(words)
-
-
-def _worst(requirement: Requirement, finding: Finding) -> str:
-    """By how much."""
-    when = f"at t = {finding.worst_time:.9g} s"
-    if not math.isfinite(finding.worst):
-        return f"not finite {when}"
-    excess = float(requirement.excess(np.array([finding.worst]))[0])
-    unit = f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else ""
-    beyond = f" ({excess:.4g}{unit} beyond the bound)" if excess > 0 else ""
-    return f"worst {told(requirement, finding.worst)} {when}{beyond}"
 
 
 def _wrong(outcome: Outcome) -> dict[tuple[str, str], list[str]]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from navfmu.campaign.finding import Finding, enough
 from navfmu.campaign.judged import Judged, judge_run, read_series
+from navfmu.campaign.question import told
 from navfmu.campaign.remarks import SAME, remarks
-from navfmu.campaign.requirement import Finding, Requirement, enough, wilson
+from navfmu.campaign.requirement import Requirement, wilson
 from navfmu.campaign.threshold import Threshold
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ class Outcome:
         rows = []
         for judged in self.every:
             head = {"variant": judged.run.variant, "case": judged.run.case.name}
-            head |= self.campaign.columns(judged.run.case) | {"seed": judged.run.seed}
+            head |= self.campaign.columns(judged.run.case) | {"seed": judged.run.seed, "onset": judged.onset}
             tail = {
                 "error": judged.error or "",
                 "not_finite": " ".join(judged.answer.not_finite),
@@ -125,10 +126,11 @@ class Outcome:
                 "recording": f"runs/{judged.answer.recording}" if judged.answer.recording else "",
             }
             for requirement, finding in judged.findings.items():
-                rows.append(head | {"requirement": requirement} | finding.row() | tail)
+                latency = {"latency": judged.latency(finding)}
+                rows.append(head | {"requirement": requirement} | finding.row() | latency | tail)
             if not judged.findings:
-                nothing = dict.fromkeys(("held", "percent", "worst", "worst_time", "first_violation", "missing"))
-                rows.append(head | {"requirement": ""} | nothing | tail)
+                nothing = dict.fromkeys(field.name for field in fields(Finding))
+                rows.append(head | {"requirement": ""} | nothing | {"latency": None} | tail)
         return rows
 
 
@@ -148,7 +150,7 @@ def evaluate(
         for case in campaign.cases:
             group = groups[variant, case.name]
             for requirement in campaign.requirements:
-                if requirement.applies(variant, case.written):
+                if requirement.applies(variant, case):
                     cells.append(_cell(requirement, variant, case, group, folder))
     return Outcome(campaign, folder, judged, cells, mended, tuple(found))
 
@@ -172,23 +174,21 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
         return _quantile_cell(requirement, variant, case, group, folder)
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
     held = sum(finding.held != requirement.expect_violated for j, finding in found if not j.answer.idle)
+    question = requirement.question
     total = len(group)
+    if question.of_faults:  # a run that has ended in time, or without its fault, says nothing
+        total = sum(j.error is not None or requirement.id in j.findings for j in group)
     passed = total > 0 and enough(100.0 * held / total, requirement.runs)
-    worst = max(found, key=lambda pair: _badness(requirement, pair[1]), default=(None, None))
+    worst = max(found, key=lambda pair: question.badness(requirement, pair[1]), default=(None, None))
     what = "violated, as expected, in" if requirement.expect_violated else "held in"
     sentence = f"{what} {held} of {total} runs"
     finding = worst[1]
     if finding is not None and (requirement.unit or finding.first_violation is not None or finding.missing):
-        sentence += f"; worst: seed {worst[0].run.seed}"
-        if requirement.events:
-            sentence += f", {finding.worst:.0f} {'time' if finding.worst == 1 else 'times'}"
-        elif requirement.unit and finding.reached:
-            sentence += f", {told(requirement, finding.worst)} at t = {finding.worst_time:.9g} s"
-        sentence += "" if requirement.events else f", inside for {percent(finding.percent)} of the time"
-        if finding.first_violation is not None:
-            sentence += f", first {'' if requirement.events else 'violated '}at t = {finding.first_violation:.9g} s"
+        seen = question.at_worst(requirement, finding), question.share(finding), question.first(finding)
+        sentence += f"; worst: {', '.join(filter(None, (f'seed {worst[0].run.seed}', *seen)))}"
     never = sum(j.error is None for j in group) - len(found)
-    sentence += f"; in {never} it was never asked, which counts as not held" if never else ""
+    silent = "it could not be asked" if question.of_faults else "it was never asked, which counts as not held"
+    sentence += f"; in {never} {silent}" if never else ""
     sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
     return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(group))
 
@@ -205,32 +205,6 @@ def _ends(group: list[Judged], early: int) -> str:
 def _distinct(group: list[Judged]) -> int:
     """The number of runs that can differ."""
     return 1 if any(SAME in judged.remarks for judged in group) else len(group)
-
-
-def percent(value: float) -> str:
-    """Rounded down, so that 100 % is all of it and what is below a bound looks so."""
-    return f"{math.floor(10.0 * value + 1e-9) / 10.0:.1f} %"
-
-
-def told(requirement: Requirement, value: float) -> str:
-    """A value with its unit, in as many digits as it takes to tell it from a bound that it is beyond."""
-    bounds = [bound for bound in (requirement.most, requirement.least) if bound is not None and bound != value]
-    for digits in range(4, 18):
-        text = _digits(value, digits)
-        if all(_digits(bound, digits) != text for bound in bounds):
-            break
-    return text + (f" {requirement.unit}" if requirement.unit and requirement.unit != "1" else "")
-
-
-def _digits(value: float, digits: int) -> str:
-    """A number for people: no exponent where a person would write none."""
-    return f"{value:.{max(0, digits - 4)}f}" if 1e3 <= abs(value) < 1e6 else f"{value:.{digits}g}"
-
-
-def _badness(requirement: Requirement, finding: Finding) -> tuple[float, float]:
-    if requirement.events:
-        return finding.worst, 0.0
-    return -finding.percent, float(requirement.excess(np.array([finding.worst]))[0])
 
 
 def _quantile_cell(requirement: Requirement, variant: str, case: Case, group: list[Judged], folder: Path) -> Cell:

@@ -100,7 +100,7 @@ class Rehearsal:
         campaign = self.campaign
         goals = {search.requirement for search in campaign.searches}
         for number, requirement in enumerate(campaign.requirements):
-            asked = any(requirement.applies(v, case.written) for v in campaign.systems for case in campaign.cases)
+            asked = any(requirement.applies(v, case) for v in campaign.systems for case in campaign.cases)
             if not asked and requirement.id not in goals:
                 raise self.document.error(
                     f"{requirement.id} is asked in cases only that are searched for another requirement, and runs of "

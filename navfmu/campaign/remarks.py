@@ -34,7 +34,7 @@ def seeds_matter(experiment: Experiment, seeds: tuple[int, ...]) -> bool:
 
 def _judged_no_further(campaign: Campaign, run: Run, last: float) -> str:
     """A sentence on quantiles that ask of the time after the last recorded point (s), or ""."""
-    asked = [r for r in campaign.requirements if r.quantile is not None and r.applies(run.variant, run.case.written)]
+    asked = [r for r in campaign.requirements if r.quantile is not None and r.applies(run.variant, run.case)]
     beyond = [r.id for r in asked if min(r.end, campaign.stop) > last * (1.0 + 1e-12)]
     if not beyond:
         return ""

@@ -132,7 +132,7 @@ def experiment_of(campaign: Campaign, variant: str, case: Case) -> Experiment:
         record=record_of(campaign, variant, case),
         record_period=_record_period(campaign, step),
         parameters=_laid_over(campaign.parameters, case.parameters),
-        monitors=[r.monitor for r in campaign.requirements if r.applies(variant, case.written)],
+        monitors=[r.monitor for r in campaign.requirements if r.applies(variant, case)],
     )
 
 
@@ -144,7 +144,7 @@ def _laid_over(common: dict[str, Any], special: dict[str, Any]) -> dict[str, Any
 def record_of(campaign: Campaign, variant: str, case: Case) -> list[str]:
     """The signals that are recorded in the runs of a variant in a case."""
     system = campaign.systems[variant]
-    asked = [r for r in campaign.requirements if r.applies(variant, case.written)]
+    asked = [r for r in campaign.requirements if r.applies(variant, case)]
     wanted = [signal for requirement in asked for signal in requirement.signals]
     wanted += system.signals(campaign.record) if campaign.record else []
     wanted += system.report.signals(system.fmus) if system.report else []

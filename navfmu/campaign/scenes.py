@@ -19,7 +19,7 @@ def pictures_of(outcome: Outcome, variant: str, case: Case) -> list[Picture]:
     system = campaign.systems[variant]
     found = list(system.report.pictures) if system.report else []
     shown = {name for picture in found if isinstance(picture, percentiles.Picture) for name in picture.needs()}
-    asked = [requirement for requirement in campaign.requirements if requirement.applies(variant, case.written)]
+    asked = [requirement for requirement in campaign.requirements if requirement.applies(variant, case)]
     for name in dict.fromkeys(requirement.signal for requirement in asked):
         try:
             worth_a_curve = system.variable(name.removesuffix("@true")).type == "Real"
@@ -57,5 +57,5 @@ def bounds_of(outcome: Outcome, variant: str, case: Case) -> list[Bound]:
     return [
         Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end)
         for r in outcome.campaign.requirements
-        if r.applies(variant, case.written)
+        if r.kind == "signal" and r.applies(variant, case)
     ]

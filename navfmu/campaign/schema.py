@@ -75,7 +75,7 @@ class DesignEntry(Table):
 
 
 class RequirementEntry(Table):
-    """A bound on a value, for a share of the time of each run, or for a quantile of the runs; or a count of events."""
+    """A bound on a value, for a share of the time of each run or a quantile of the runs; on a count; or on a time."""
 
     id: str = Field(min_length=1, description="name of the requirement")
     description: str = Field("", description="the requirement in words")
@@ -88,6 +88,20 @@ class RequirementEntry(Table):
     events: str | None = Field(
         None, min_length=1, description="instead: an expression; how often it becomes true is at most 'at_most'"
     )
+    detects: str | None = Field(
+        None,
+        min_length=1,
+        description="instead: an expression that becomes true 'within' a time of the first onset of a fault",
+    )
+    recovers: str | None = Field(
+        None,
+        min_length=1,
+        description="instead: an expression that is true again 'within' a time of the end of a fault, and stays so",
+    )
+    fault: str | None = Field(
+        None, description="of 'detects' and 'recovers', the id of the fault; default: all of the case together"
+    )
+    within: Time | None = Field(None, description="of 'detects' and 'recovers', the longest time")
     at_most: Bound | None = Field(
         None, description='upper bound: a number in the unit of the signal, or "0.5 nmi"; of events: 0 by default'
     )

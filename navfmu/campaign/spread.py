@@ -35,7 +35,8 @@ def spread(story: Story) -> Iterator[Drawn]:
         if not found or not _worth(requirement, every):
             continue
         runs, bad = sum(len(s.held) for s in found), sum(s.held.count(False) for s in found)
-        heading = f"{requirement['id']}: {requirement['signal']} of {runs} runs at its worst time, {bad} not as asked"
+        what, when = requirement["quantity"]
+        heading = f"{requirement['id']}: {what} of {runs} runs{when}, {bad} not as asked"
         shown = found[:ROWS]
         rest = f"; the {len(found) - ROWS} combinations in which most runs hold are left out" if found[ROWS:] else ""
         caption = f"{_capital(CROSS)}{rest}.{_without(every)}"

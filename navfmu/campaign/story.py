@@ -13,9 +13,10 @@ from typing import Any
 from navfmu.campaign.case import Case
 from navfmu.campaign.definition import Campaign
 from navfmu.campaign.drawn import Drawn
+from navfmu.campaign.finding import Finding, percent
 from navfmu.campaign.judged import Judged
-from navfmu.campaign.outcome import Cell, Outcome, percent, told
-from navfmu.campaign.requirement import Finding, Requirement
+from navfmu.campaign.outcome import Cell, Outcome
+from navfmu.campaign.requirement import Requirement
 from navfmu.campaign.search import Search
 from navfmu.campaign.seeds import seeds_text
 from navfmu.report import faults
@@ -110,6 +111,7 @@ def _requirement(requirement: Requirement) -> dict[str, Any]:
         "sentence": requirement.sentence,
         "description": requirement.description,
         "signal": requirement.signal,
+        "quantity": list(requirement.question.quantity(requirement)),
         "unit": requirement.unit,
         "runs": requirement.runs,
         "quantile": requirement.quantile,
@@ -183,23 +185,13 @@ def _finding(requirement: Requirement, judged: Judged, finding: Finding | None) 
     return {
         "held": judged.holds(requirement) and not judged.answer.idle,
         "inside": finding.percent,
-        "share": percent(finding.percent),
+        "share": percent(finding.percent) if requirement.question.share(finding) else "",
         "worst": _number(finding.worst),
-        "text": _worst_text(requirement, finding),
+        "text": requirement.question.value(requirement, finding),
         "at": _number(finding.worst_time),
         "first": _number(finding.first_violation),
         "missing": finding.missing,
     }
-
-
-def _worst_text(requirement: Requirement, finding: Finding) -> str:
-    """The worst value, or how often it happened."""
-    if not finding.reached:
-        return "not reached"
-    if requirement.truth:
-        return "never false" if finding.first_violation is None else "false"
-    text = told(requirement, finding.worst)
-    return f"{text} times" if requirement.events else text
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:

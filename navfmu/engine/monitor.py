@@ -135,6 +135,7 @@ class Observed:
     rms: float
     greatest: float  # size of the value
     origin: float = 0.0  # from where it counted
+    soonest: float = math.nan  # s, from there to the first point inside
     latest: float = 0.0  # s, from there to behind the last point outside, at most
     left: float = math.inf  # s, from there to the end of a run that is not cut short
 
@@ -174,8 +175,9 @@ class Observed:
             rms=math.sqrt(float(row["squares"]) / finite) if finite else math.nan,
             greatest=float(row["greatest"]) if finite else math.nan,
             origin=when("origin"),
-            latest=int(row["latest"]) * clock.step,
-            left=(clock.steps - origin) * clock.step if origin >= 0 else math.nan,
+            soonest=clock.time(int(row["first_inside"]) - origin) if row["first_inside"] >= 0 else math.nan,
+            latest=clock.time(int(row["latest"])),
+            left=clock.time(clock.steps - origin) if origin >= 0 else math.nan,
         )
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from navfmu.campaign.asked import requirement_of
-from navfmu.campaign.outcome import percent, told
-from navfmu.campaign.requirement import MAIN, Finding, Requirement, judge
+from navfmu.campaign.finding import Finding
+from navfmu.campaign.requirement import MAIN, Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.engine.monitor import Monitor, Observed
 from navfmu.errors import NavfmuError
@@ -65,24 +65,12 @@ class Asked:
 
     def judge(self, seen: Mapping[str, Any]) -> str:
         """Why a run does not hold it, or ""; ``seen`` is what the run says of its monitors."""
-        finding = judge(self.requirement, Observed.restored(seen[self.key]))
+        finding = self.requirement.question.judge(self.requirement, Observed.restored(seen[self.key]))
         if finding is None:
             raise NavfmuError(f"requirement {self.words}: was asked at no point of the run")
         held = finding.held != self.requirement.expect_violated
         return "" if held else f"requirement {self.words} {self._violated(finding)}"
 
     def _violated(self, finding: Finding) -> str:
-        requirement = self.requirement
-        text = "is held, where it should be violated: " if requirement.expect_violated else "violated: "
-        if requirement.events:
-            text += f"{finding.worst:g} times"
-            text += "" if finding.first_violation is None else f", first at t = {finding.first_violation:.9g} s"
-        else:
-            text += f"inside for {percent(finding.percent)} of the time"
-            if finding.first_violation is not None:
-                text += f", first outside at t = {finding.first_violation:.9g} s"
-            if finding.reached and not requirement.truth:
-                number = math.isfinite(finding.worst)
-                text += f", {f'worst {told(requirement, finding.worst)}' if number else 'not finite'}"
-                text += f" at t = {finding.worst_time:.9g} s"
-        return text + (f", {finding.missing} points not reached" if finding.missing else "")
+        text = "is held, where it should be violated: " if self.requirement.expect_violated else "violated: "
+        return text + self.requirement.question.seen(self.requirement, finding)

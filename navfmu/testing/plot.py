@@ -22,7 +22,7 @@ def plot(run: Flown, signals: Sequence[str]) -> bytes:
     system = run.experiment.system
     columns = {name: run.frame[name].to_numpy() for name in run.frame.attrs["units"] if name in run.frame}
     required = [asked.requirement for asked in run.asked]
-    bounds = [Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end) for r in required]
+    bounds = [Bound(r.id, r.signal, r.least, r.most, r.unit, r.start, r.end) for r in required if r.kind == "signal"]
     first = [
         name for name in dict.fromkeys([*signals, *(name for r in required for name in r.signals)]) if name in columns
     ]

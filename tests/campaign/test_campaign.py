@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from navfmu import System
 from navfmu.campaign import load_campaign, run_campaign
-from navfmu.campaign import requirement as requirement_module
-from navfmu.campaign.requirement import Finding, Requirement, wilson
+from navfmu.campaign.finding import Finding
+from navfmu.campaign.requirement import Requirement, wilson
 from navfmu.campaign.runs import runs_of
 from navfmu.cli.main import main
 from navfmu.engine.clock import Clock
@@ -259,7 +259,7 @@ def judge(asked: Requirement, time: np.ndarray, values: np.ndarray) -> Finding |
     observer = Observer(rows[0], operations.table)
     for k, value in enumerate(values):
         observer.observe([value], k, clock.time(k))
-    return requirement_module.judge(asked, Observed.of(observer.row, clock, len(values) - 1))
+    return asked.question.judge(asked, Observed.of(observer.row, clock, len(values) - 1))
 
 
 TIME = np.arange(11.0)
@@ -479,7 +479,8 @@ def test_the_sentence_of_a_quantile_names_the_side_that_is_wrong():
 
 
 def test_a_sentence_never_looks_like_the_opposite_of_its_verdict():
-    from navfmu.campaign.outcome import percent, told
+    from navfmu.campaign.finding import percent
+    from navfmu.campaign.question import told
 
     assert (percent(99.98), percent(94.9505), percent(100.0), percent(94.99999)) == (
         "99.9 %",

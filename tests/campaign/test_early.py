@@ -72,7 +72,10 @@ def test_a_requirement_whose_time_was_not_reached_is_not_held(tmp_path):
     outcome = flown(tmp_path, REQUIREMENT, ends_at=2.0)
     (cell,) = outcome.cells
     assert not cell.passed and not outcome.passed and cell.held == 0
-    assert cell.sentence.startswith("held in 0 of 2 runs; worst: seed 1, inside for 20.7 % of the time; 2 ended before")
+    assert cell.sentence == (
+        "held in 0 of 2 runs; worst: seed 1, 2 at t = 2 s, inside for 20.7 % of the time; "
+        "2 ended before all points were reached"
+    )
     rows = pandas.read_csv(tmp_path / "out" / "runs.csv")
     assert rows.missing.tolist() == [80, 80] and rows.worst.max() == pytest.approx(2.0)
 

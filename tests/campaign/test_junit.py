@@ -169,7 +169,7 @@ def test_events_are_counted_and_what_is_no_bound_has_no_worst_value(tmp_path):
     text += '\n[[requirement]]\nid = "T"\nsignal = "truth.y < 1 m"\n'
     cases = {case.get("name")[0]: case for case in junit(tmp_path, text)[0] if "nominal" in case.get("classname")}
     said = {name: case[0].text.split("\n")[2] for name, case in cases.items()}
-    assert said["E"] == "seed 1: 1 times, first at t = 0.6 s"
+    assert said["E"] == "seed 1: 1 time, first at t = 0.6 s"
     assert said["T"] == "seed 1: inside for 28.5 % of the time, first violated at t = 0.6 s"
 
 

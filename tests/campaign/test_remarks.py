@@ -8,8 +8,9 @@ import pandas
 import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.finding import enough
 from navfmu.campaign.outcome import Outcome
-from navfmu.campaign.requirement import enough, wilson
+from navfmu.campaign.requirement import wilson
 from navfmu.errors import NavfmuError
 from tests.components import systems
 

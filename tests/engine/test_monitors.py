@@ -227,3 +227,67 @@ def test_what_cannot_be_asked_is_a_sentence():
     ):
         with pytest.raises(NavfmuError, match=sentence.replace("(", r"\(")):
             make_plan(*chain(1), monitors=[monitor], **H)
+
+
+# ---- counted from faults ---------------------------------------------------------------------------------------------
+
+
+def bias(name, start, duration=2.0, **more):
+    return Fault(name, "lag0.y", "bias", start, duration, value=1.0, **more)
+
+
+@ALGORITHMS
+def test_from_the_first_onset_of_a_fault(algorithm):
+    """It acts from 3 to 5 s and the question comes true at 4.3 s. Wrong: counted from the start of the run."""
+    seen = decay(
+        Monitor("own", "time >= 4.25 s", counts_from="onset", fault="x"),
+        Monitor("window", "false", counts_from="onset", fault="x", begin=0.5, end=1.5),
+        Monitor("other", "time >= 4.25 s", counts_from="onset", fault="y"),
+        Monitor("any", "time >= 4.25 s", counts_from="onset"),
+        Monitor("nobody", "time >= 4.25 s", counts_from="onset", fault="z"),
+        faults=[bias("x", 3.0), bias("y", 2.0, on=0.5, off=0.7)],
+        algorithm=algorithm,
+    )
+    assert (seen["own"].origin, seen["own"].first_inside, seen["own"].points) == (3.0, 4.3, 71)
+    assert seen["own"].left == pytest.approx(7.0)
+    assert (seen["window"].points, seen["window"].first_outside, seen["window"].last_outside) == (11, 3.5, 4.5)
+    assert (seen["other"].origin, seen["any"].origin, seen["any"].points) == (2.0, 2.0, 81)
+    assert seen["nobody"].points == seen["nobody"].missing == 0 and math.isnan(seen["nobody"].origin)
+
+
+@ALGORITHMS
+def test_from_where_a_fault_is_over(algorithm):
+    """It is over at 5 s, and the question true from 6.1 s on: 1.1 s later."""
+    seen = decay(
+        Monitor("own", "time > 6 s", counts_from="over", fault="x"),
+        Monitor("at once", "true", counts_from="over", fault="x"),
+        Monitor("stays", "false", counts_from="over", fault="stays"),
+        faults=[bias("x", 3.0), bias("stays", 9.0, math.inf)],
+        algorithm=algorithm,
+    )
+    assert (seen["own"].origin, seen["own"].points, seen["own"].last_outside) == (5.0, 51, 6.0)
+    assert seen["own"].latest == pytest.approx(1.1) and seen["at once"].latest == 0.0
+    assert seen["stays"].points == 0
+
+
+@ALGORITHMS
+def test_each_time_a_fault_is_over_it_is_counted_anew_and_the_longest_is_kept(algorithm):
+    """On from 1.0 to 1.9, 3.0 to 3.9 s and so on: over at 2.0 and 4.0 s. Wrong at 2.0 to 2.4 s and at 4.0 to 4.2 s."""
+    text = "not (1.95 s < time < 2.45 s or 3.95 s < time < 4.25 s or 3 s <= time < 3.5 s)"
+    loose = bias("x", 1.0, 4.0, on=1.0, off=1.0)
+    seen = decay(Monitor("m", text, counts_from="over", fault="x"), faults=[loose], algorithm=algorithm)["m"]
+    assert seen.latest == pytest.approx(0.5) and seen.origin == 4.0 and seen.outside == 5 + 3
+
+
+@ALGORITHMS
+def test_without_a_name_it_is_over_where_none_acts(algorithm):
+    faults = [bias("x", 1.0, 3.0), bias("y", 3.0, 2.0), bias("later", 1.5, 0.5)]
+    seen = decay(Monitor("m", "time > 6 s", counts_from="over"), faults=faults, algorithm=algorithm)["m"]
+    assert seen.origin == 5.0 and seen.latest == pytest.approx(1.1) and seen.points == 51
+
+
+@ALGORITHMS
+def test_from_where_a_condition_has_begun_a_fault(algorithm):
+    waits = bias("x", 0.0, 2.0, when="lag0.y < 0.5")  # 0.9^7 = 0.48, at 0.7 s: it acts from 0.8 s on
+    seen = decay(Monitor("m", "time >= 2 s", counts_from="onset"), faults=[waits], algorithm=algorithm)["m"]
+    assert (seen.origin, seen.first_inside) == (0.8, 2.0)

@@ -76,8 +76,9 @@ def test_a_violated_requirement_says_when_and_by_how_much(ended):
     assert 0 < share < 80
     expected = (
         "AssertionError: requirement T-1 (estimator.solution.length <= 1.5 m for 80 % of the time from 2 s) violated: "
-        f"inside for {share} % of the time, first outside at t = {outside.index[0]:g} s, "
-        f"worst {value.max():.4g} m at t = {value.idxmax():g} s, slow variant, seed 7; plot in "
+        f"inside for {share} % of the time, first violated at t = {outside.index[0]:g} s, "
+        f"worst {value.max():.4g} m at t = {value.idxmax():g} s ({value.max() - 1.5:.4g} m beyond the bound), "
+        "slow variant, seed 7; plot in "
     )
     assert expected in told
     assert "truth.amplitude = 20 ft" == ended.row("test_required[seed7-80]", "parameter")
@@ -186,7 +187,7 @@ def test_requirements_on_expressions_events_and_times_that_are_not_recorded(fold
     asked = other[other["truth.y"] > 0]
     inside = (asked["lag.y"] - asked["truth.y"]).abs() <= 1
     told = ended.of("test_truth")
-    assert f"violated: inside for {np.floor(1000 * inside.mean()) / 10} % of the time, first outside at t = " in told
+    assert f"violated: inside for {np.floor(1000 * inside.mean()) / 10} % of the time, first violated at t = " in told
     assert f"at t = {inside.idxmin():g} s, main variant" in told and "worst" not in told
     above = frame["sensor.reading.length"] > 5
     rises = above & ~above.shift(fill_value=False)
@@ -195,7 +196,7 @@ def test_requirements_on_expressions_events_and_times_that_are_not_recorded(fold
     value = other["lag.y"]
     assert value[::50].max() < 9.8 < value.max()
     sentence = (
-        f"first outside at t = {(value > 9.8).idxmax():g} s, worst {value.max():.4g} m at t = {value.idxmax():g} s"
+        f"first violated at t = {(value > 9.8).idxmax():g} s, worst {value.max():.4g} m at t = {value.idxmax():g} s"
     )
     for test in ("test_between", "test_between_later"):
         assert sentence in ended.of(test)

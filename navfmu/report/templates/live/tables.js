@@ -60,7 +60,7 @@ function runs(place) {
     { title: "seed", text: (run) => String(run.seed), sort: (run) => run.seed },
     ...story.requirements.map((requirement, r) => ({
       title: requirement.id,
-      text: (run) => (run.findings[r] ? `${run.findings[r].share}, ${run.findings[r].text}` : run.error ? "error" : ""),
+      text: (run) => (run.findings[r] ? [run.findings[r].share, run.findings[r].text].filter(Boolean).join(", ") : run.error ? "error" : ""),
       sort: (run) => (run.findings[r] ? run.findings[r].inside : null),
       style: (run) => (run.findings[r] ? (run.findings[r].held ? "good" : "bad") : run.error ? "bad" : "none"),
       href: (run) => `#run/${numbers.get(run)}`,
