@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,9 +58,11 @@ class Question:
         share += f", but for {r.tolerance:g} s at a time" if r.tolerance else ""
         return f"{_bound(r)} {share}{_when(r)}"
 
-    def quantity(self, r: Requirement) -> tuple[str, str]:
-        """What the worst value of runs is, and when: "a.x", " at its worst time"."""
-        return r.signal, " at its worst time"
+    def quantity(self, r: Requirement) -> tuple[str, str, str]:
+        """What the worst value of runs is, when, and on an axis: "a.x", " at its worst time", "worst x"."""
+        plain = re.fullmatch(r"[\w.\[\],]+", r.signal)
+        name = r.signal.rpartition(".")[2].replace("_", " ") if plain else "value"
+        return r.signal, " at its worst time", f"worst {name}"
 
     def value(self, r: Requirement, f: Finding) -> str:
         """What is worst in a run: "1403 m"."""
@@ -112,8 +115,8 @@ class Events(Question):
         lasting = f" for more than {r.tolerance:g} s" if r.tolerance else ""
         return f"{r.signal}{lasting} at most {r.most:g} times{_when(r)}"
 
-    def quantity(self, r: Requirement) -> tuple[str, str]:
-        return f"how often {r.signal}", ""
+    def quantity(self, r: Requirement) -> tuple[str, str, str]:
+        return f"how often {r.signal}", "", "times"
 
     def value(self, r: Requirement, f: Finding) -> str:
         return times(f.worst) if f.reached else "not reached"
@@ -141,7 +144,7 @@ class Detects(Question):
     """
 
     of_faults = True
-    verb, after = "detects", "noticed"
+    after = "noticed"
 
     def monitor(self, r: Requirement) -> Monitor:
         return Monitor(r.id, r.signal, counts_from="onset", fault=r.fault)
@@ -165,8 +168,8 @@ class Detects(Question):
     def _of(self, r: Requirement) -> str:
         return f"fault '{r.fault}'" if r.fault else "every fault"
 
-    def quantity(self, r: Requirement) -> tuple[str, str]:
-        return f"how long until {r.signal}", ""
+    def quantity(self, r: Requirement) -> tuple[str, str, str]:
+        return f"how long until {r.signal}", "", f"time until {self.after}"
 
     def value(self, r: Requirement, f: Finding) -> str:
         return f"never {self.after}" if math.isnan(f.worst) else f"after {told(r, f.worst)}"
@@ -187,7 +190,7 @@ class Detects(Question):
 class Recovers(Detects):
     """How long it takes after the end of a fault until an expression is true, and stays so as long as none acts."""
 
-    verb, after = "recovers", "over"
+    after = "recovered"
 
     def monitor(self, r: Requirement) -> Monitor:
         return Monitor(r.id, r.signal, counts_from="over", fault=r.fault)
@@ -198,9 +201,6 @@ class Recovers(Detects):
 
     def sentence(self, r: Requirement) -> str:
         return f"{r.signal} within {r.most:g} s of the end of {self._of(r)}, and from then on"
-
-    def value(self, r: Requirement, f: Finding) -> str:
-        return "never" if math.isnan(f.worst) else f"after {told(r, f.worst)}"
 
 
 QUESTIONS = {"signal": Question(), "events": Events(), "detects": Detects(), "recovers": Recovers()}

@@ -35,12 +35,12 @@ def spread(story: Story) -> Iterator[Drawn]:
         if not found or not _worth(requirement, every):
             continue
         runs, bad = sum(len(s.held) for s in found), sum(s.held.count(False) for s in found)
-        what, when = requirement["quantity"]
+        what, when, label = requirement["quantity"]
         heading = f"{requirement['id']}: {what} of {runs} runs{when}, {bad} not as asked"
         shown = found[:ROWS]
         rest = f"; the {len(found) - ROWS} combinations in which most runs hold are left out" if found[ROWS:] else ""
         caption = f"{_capital(CROSS)}{rest}.{_without(every)}"
-        yield strips(heading, "worst value", requirement["unit"], shown, _bounds(requirement), caption)
+        yield strips(heading, label, requirement["unit"], shown, _bounds(requirement), caption)
 
 
 def sweeps(story: Story) -> Iterator[Drawn]:
@@ -63,7 +63,7 @@ def sweeps(story: Story) -> Iterator[Drawn]:
             yield along(
                 _along_heading(requirement, heading, every),
                 heading,
-                f"worst {requirement['signal'].rpartition('.')[2].replace('_', ' ')}",
+                requirement["quantity"][2],
                 requirement["unit"],
                 {name: Points(*zip(*sorted(points), strict=True)) for name, points in groups.items()},
                 _bounds(requirement),

@@ -86,8 +86,8 @@ def test_a_quantile_may_be_of_an_expression(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "sentence"),
     [
-        ("at_most = 1", "line 7: expected either 'signal' or 'events'"),
-        ('signal = "m0.y"\nevents = "true"', "line 9: expected either 'signal' or 'events'"),
+        ("at_most = 1", "line 7: expected one of 'signal', 'events', 'detects', 'recovers'"),
+        ('signal = "m0.y"\nevents = "true"', "line 9: expected one of 'signal', 'events', 'detects', 'recovers'"),
         ('signal = "m0.y"', "line 7: this requirement has neither 'at_most' nor 'at_least'"),
         ('signal = "m0.y >"\nat_most = 1', "line 8: variant 'main': in 'm0.y >', character 7: it ends"),
         ('signal = "m0.y"\nat_most = 1\nwhen = "m0.y"', "line 10: variant 'main': in 'm0.y', character 1: expected a"),

@@ -87,7 +87,7 @@ def test_it_is_recovered_from_in_time_or_not(tmp_path):
     assert found[0].worst == found[1].worst == k / 10 and found[3].worst == 0.0
     assert math.isnan(found[2].worst) and math.isnan(found[4].worst)
     told = {name: cell.sentence for name, cell in cells(outcome).items()}
-    assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, never, first violated at t = 7 s"
+    assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, never recovered, first violated at t = 7 s"
     sentence = cells(outcome)["R-2"].requirement.sentence
     assert sentence == "m1.y <= 0.5 m within 2 s of the end of every fault, and from then on"
 
@@ -115,7 +115,10 @@ def test_runs_in_which_a_fault_does_not_come_are_not_counted(tmp_path):
     came = sum(bool(judged.answer.acted["x"]) for judged in outcome.of("main", "failed"))
     cell = cells(outcome)["R-0"]
     assert 0 < came < 12 and (cell.held, cell.total) == (came, came)
-    assert cell.sentence.startswith(f"held in {came} of {came} runs; ") and f"in {12 - came} it could not be asked" in cell.sentence
+    assert (
+        cell.sentence.startswith(f"held in {came} of {came} runs; ")
+        and f"in {12 - came} it could not be asked" in cell.sentence
+    )
 
 
 @pytest.mark.parametrize(

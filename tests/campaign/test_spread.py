@@ -20,7 +20,12 @@ def drawing(monkeypatch):
 
 def tale() -> dict:
     """Two variants, three magnitudes of a fault, one seed: errors of 10 times the magnitude; 25 m are asked."""
-    requirement = {"id": "R", "signal": "a.horizontal_error", "unit": "m", "bounds": [None, 25.0]}
+    requirement = {
+        "id": "R",
+        "quantity": ["a.horizontal_error", " at its worst time", "worst horizontal error"],
+        "unit": "m",
+        "bounds": [None, 25.0],
+    }
     cases = [{"name": f"c{value:g}", "values": [value]} for value in (1.0, 2.0, 3.0)]
     groups, runs = [], []
     for variant, more in (("main", 0.0), ("other", 4.0)):
