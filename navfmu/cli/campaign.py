@@ -31,6 +31,8 @@ import click
     help="Ask before more runs than these.",
 )
 @click.option("--junit", metavar="FILE.xml", help="Write the verdicts as JUnit XML, for test servers.")
+@click.option("--stmd", metavar="FILE.stmd",
+              help="Write what was run, what came of it and the verdicts as SSP Traceability has it.")  # fmt: skip
 @click.option("--workers", default="process", show_default=True, metavar="W",
               help="process: an FMU that crashes ends its own run only; thread: a little faster.")  # fmt: skip
 def command(
@@ -44,6 +46,7 @@ def command(
     yes: bool,
     ask_above: int,
     junit: str | None,
+    stmd: str | None,
     workers: str,
 ) -> None:
     """Run the campaign of FILE.toml: variants x cases x seeds against requirements. Finished runs are kept."""
@@ -56,6 +59,7 @@ def command(
 
     folder = None if out is None else check_results(out, "a campaign")
     verdicts = None if junit is None else check_file(junit, ".xml")
+    task = None if stmd is None else check_file(stmd, ".stmd")
     with Progress("checking") as progress:
         plan = load_campaign(
             file, seeds, strict=strict, allow=None if yes else Asking(file, ask_above), progress=progress
@@ -67,6 +71,10 @@ def command(
         )
     if verdicts is not None:
         write_junit(outcome, verdicts)
+    if task is not None:
+        from navfmu.campaign.traceability import write_task
+
+        write_task(outcome, task)
     show(outcome)
     if strict and not outcome.passed:
         sys.exit(1)

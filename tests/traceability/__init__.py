@@ -1,0 +1,1 @@
+"""What is written for tools that read SSP Traceability."""
