@@ -42,6 +42,7 @@ from navfmu.engine.recording import (
 from navfmu.engine.structures import ASKED, DISCARD, FAILED, GOES_ON, LOOP, NAMES, WARNING, Callbacks, Master
 from navfmu.engine.trigger import SPAN, TRIGGER, WINDOW
 from navfmu.errors import NavfmuError
+from navfmu.expressions.program import Op
 from navfmu.fmi.description import Description
 from navfmu.fmi.functions import OPTIONAL
 
@@ -141,9 +142,10 @@ class Compiled:
         self._names = (c_char_p * len(plan.parts))(*(part.component.name.encode() for part in plan.parts))
         self._step = plan.clock.step
         self._watches = not isinstance(memory, BlackBox)  # else another process sees who ended this one
-        self._disturbed = np.zeros(len(plan.signals), bool)  # whether a component's signals have faults
-        for part in plan.parts:
-            self._disturbed[part.first_signal : part.first_signal + part.signals] = part.effects > 0
+        self._exposed = [plan.exposed(part) for part in plan.parts]  # the signals that faults can change
+        self._disturbed = np.zeros(len(plan.signals), bool)
+        for exposed in self._exposed:
+            self._disturbed[exposed] = True
         self._effects = np.ascontiguousarray(plan.effects, EFFECT).copy()
         self._losses = np.ascontiguousarray(plan.losses, LOSS).copy()
         self._monitors = np.ascontiguousarray(plan.monitors, MONITOR).copy()
@@ -316,7 +318,9 @@ class Compiled:
         for array, saved in zip(self._memory, snapshot.memory, strict=True):
             array[...] = saved
         self._place.k, self._place.rows = snapshot.k, snapshot.k // self.plan.record_every + 1
-        self._master.turn = -1
+        self._master.turn, self._master.calm = -1, 0
+        for component in self._components:
+            component.searched = 1
         if self._master.ended >= 0:
             self._master.ended, self._master.interrupt = -1, 0
 
@@ -362,8 +366,7 @@ class Compiled:
         plan, count = self.plan, len(self.plan.signals)
         signal = np.zeros((3, count))
         signal[:, plan.first_driven :] = plan.driven
-        faulted = {int(slot) for slot in plan.effects["slot"]}
-        columns = [c.slot + (count if c.true and c.slot in faulted else 0) for c in plan.recorded]
+        columns = [c.slot + (count if c.true and self._disturbed[c.slot] else 0) for c in plan.recorded]
         first_driven_effect = plan.first_driven_effect
         return Master(
             place=ctypes.addressof(self._place),
@@ -383,6 +386,7 @@ class Compiled:
             trigger=self._keep(self._triggers, TRIGGER, changes=True),
             triggers=len(plan.triggers),
             acting=self._keep(np.zeros(len(plan.triggers)), np.int32, changes=True),
+            acted=self._keep(np.zeros(len(plan.triggers)), np.int32, changes=True),
             faults=len(plan.fault_ids),
             window=self._keep(plan.windows, WINDOW),
             span=self._keep(self._spans, SPAN, changes=True),
@@ -448,15 +452,21 @@ class Compiled:
         )
         to.whole = self._keep(np.zeros(max(to.integers, to.booleans)), np.int32)
         to.first_effect, to.effects = part.first_effect, part.effects
-        to.foreseen = int(self._foreseen(part))
+        exposed = self._exposed[number]
+        to.exposures, to.exposed = len(exposed), self._keep(exposed, np.int32)
+        to.foreseen = int((self.plan.readers[exposed] & AHEAD).any())
+        to.copied = int(to.foreseen or part.losses > 0 or self._wanted(exposed))
+        to.searched = 1
         to.first_loss, to.losses = part.first_loss, part.losses
 
-    def _foreseen(self, part: Part) -> bool:
-        """Whether somebody takes a value of a component as it is just before the next point."""
-        return bool((self.plan.readers[part.first_signal : part.first_signal + part.signals] & AHEAD).any())
+    def _wanted(self, exposed: np.ndarray) -> bool:
+        """Whether a true value is recorded, or asked for."""
+        recorded = [column.slot for column in self.plan.recorded if column.true]
+        asked = self.plan.operations["place"][self.plan.operations["kind"] == Op.LOAD_SIGNAL] - len(self.plan.signals)
+        return bool(np.isin(exposed, [*recorded, *asked]).any())
 
     def _ahead(self, source: np.ndarray) -> np.ndarray:
-        """Where to find the value at the end of a step: components without faults have it where it always is."""
+        """Where to find the value at the end of a step: what no fault can change is where it always is."""
         return np.where(self._disturbed[source], source + 2 * len(self.plan.signals), source)
 
     def _instantiate(self, number: int, part: Part) -> None:

@@ -53,20 +53,20 @@ EFFECT = np.dtype(
         ("kind", np.int32),
         ("slot", np.int32),  # the signal it changes
         ("trigger", np.int32),
+        ("foreseen", np.int32),  # whether somebody takes one of these as it is just before the next point
         ("amount", np.float64),
         ("other", np.float64),
-        ("seed", np.uint64),  # random numbers: key of the stream
-        ("stream", np.uint64),
-        ("lane", np.uint64),  # element of an array
-        ("multiplier", np.int64),  # number of a period: k * multiplier // divisor, in integers
-        ("divisor", np.int64),
         ("memory", np.int32),  # what it remembers: place and length among the memories
         ("size", np.int32),
         ("first_pair", np.int32),  # SWAP, TAKE: the signals that change, and behind them those whose value they get
         ("pairs", np.int32),
+        ("multiplier", np.int64),  # number of a period: k * multiplier // divisor, in integers
+        ("divisor", np.int64),
+        ("seed", np.uint64),  # random numbers: key of the stream
+        ("stream", np.uint64),
+        ("lane", np.uint64),  # element of an array
         ("first_reach", np.int32),  # the signals that can be different because of it
         ("reaches", np.int32),
-        ("foreseen", np.int32),  # whether somebody takes one of them as it is just before the next point
         ("before", np.int32),  # these before it, now: place among the memories
         ("first_echo", np.int32),  # rows of the table of echoes
         ("echoes", np.int32),
@@ -78,7 +78,13 @@ EFFECT = np.dtype(
 # A later effect on the same signals, and where that is which it would remember without the earlier one; struct Echo.
 ECHO = np.dtype([("effect", np.int32), ("memory", np.int32)], align=True)
 RANDOM = (NOISE, GARBAGE, DELAY)  # kinds that have a stream of random numbers
-MEMORY = {HOLD: (0.0,), NOISE: (-1.0, 0.0), SPIKE: (0.0,), GARBAGE: (-1.0, 0.0), SLOW: (0.0,)}  # before the run
+MEMORY = {  # before the run
+    HOLD: (0.0,),
+    NOISE: (0.0, 0.0),
+    SPIKE: (0.0, -1.0, 0.0),
+    GARBAGE: (0.0, 0.0),
+    SLOW: (0.0, -1.0, 0.0),
+}
 LARGEST = 2**24  # values that one delay may keep
 
 Key = tuple[str, str]  # component, variable
@@ -153,7 +159,7 @@ def tables(
         before = MEMORY.get(effect.kind, ())
         if effect.kind == DELAY:
             row["amount"], row["other"], kept = _late(effect.fault, clock)
-            before = (-1.0, min(math.ceil(row["amount"]), kept - 1), *([0.0] * kept))
+            before = (0.0, min(math.ceil(row["amount"]), kept - 1), *([0.0] * kept))
         row["memory"], row["size"] = _room(memory, before)
         row["pairs"] = len(effect.pairs)
         row["first_pair"], _ = _room(reach, [slots[pair[end]] for end in (0, 1) for pair in effect.pairs])

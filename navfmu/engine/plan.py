@@ -152,6 +152,12 @@ class Plan:
         """Signals that an effect names."""
         return self.reach[first : first + count].tolist()
 
+    def exposed(self, part: Part) -> np.ndarray:
+        """The signals of a component that effects change or look at, int32."""
+        rows = self.effects[part.first_effect : part.first_effect + part.effects]
+        reached = [self.reach[row["first_reach"] : row["first_reach"] + row["reaches"]] for row in rows]
+        return np.unique(np.concatenate([np.zeros(0, np.int32), *reached]))
+
     @property
     def first_driven(self) -> int:
         """The first driven signal."""

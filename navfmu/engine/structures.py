@@ -123,7 +123,9 @@ class Component(Structure):
         *((name, c_void_p) for name in ("real_value", "integer_value", "boolean_value")),
         *((name, c_int32) for name in ("reals", "integers", "booleans", "first_signal")),
         *((name, c_void_p) for name in ("real_reference", "integer_reference", "boolean_reference", "whole")),
-        *((name, c_int32) for name in ("first_effect", "effects", "foreseen", "first_loss", "losses")),
+        *((name, c_int32) for name in ("first_effect", "effects", "exposures")),
+        ("exposed", c_void_p),
+        *((name, c_int32) for name in ("foreseen", "copied", "searched", "first_loss", "losses")),
         ("warnings", c_int64),
         ("strayed", c_int32),
         ("look", c_int32),
@@ -132,7 +134,7 @@ class Component(Structure):
 
 class Master(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "acting")),
+        *((name, c_void_p) for name in ("place", "component", "order", "move", "trigger", "acting", "acted")),
         *((name, c_void_p) for name in ("window", "span", "effect", "echo")),
         *((name, c_void_p) for name in ("loss", "behind", "reach", "readers", "memory", "without", "turned")),
         *((name, c_void_p) for name in ("monitor", "operation", "signal")),
@@ -141,6 +143,7 @@ class Master(Structure):
         *((name, c_int32) for name in ("first_driven_effect", "driven_effects", "algorithm", "columns")),
         *((name, c_void_p) for name in ("column", "rows")),
         ("record_every", c_int64),
+        ("calm", c_int64),
         *((name, c_double) for name in ("step", "numerator", "denominator")),
         *((name, c_int32) for name in ("interrupt", "status", "ended", "turn")),
         ("last", c_double),

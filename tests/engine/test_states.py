@@ -18,6 +18,10 @@ FAULTS = [
     Fault("stuck", "lag1.y", "stuck", 6.0, 1.0),
     Fault("drift", "lag2.y", "drift", 0.0, 9.0, {"rate": 0.1}),
     Fault("pushed", "lag2.number", "input", 3.0, 4.0, {"value": 7}),
+    Fault("spikes", "lag1.y", "spike", 1.0, 8.0, {"value": 0.1, "every": 0.45, "on": 1.0, "off": 0.3}),
+    Fault("seldom", "lag2.y", "slow", 1.5, 5.0, {"period": 0.7, "on": 0.9, "off": 0.2}),
+    Fault("old", "lag0.y", "delay", 2.5, 6.0, {"delay": 0.2, "jitter": 0.4, "period": 0.3}),
+    Fault("any", "lag3.y", "garbage", 0.5, 9.0, {"low": -1.0, "high": 1.0, "period": 0.35}),
 ]
 
 

@@ -321,6 +321,9 @@ def test_random_faults_act_alike_in_both_engines(seed, algorithm):
     for number in range(12):
         target, kind, parameters = menu[rng.integers(len(menu))]
         start, duration = float(rng.choice([0.0, rng.uniform(0, 8)])), float(rng.uniform(0.2, 8))
-        faults.append(Fault(f"f{number}", target, kind, start, duration, parameters()))
-    recording = run(*faults, algorithm=algorithm, u=1.0, interpolates=bool(seed % 2), record=["*"])
+        turns = {"on": 0.1 * int(rng.integers(1, 9)), "off": 0.1 * int(rng.integers(1, 9))}
+        given = parameters() | (turns if rng.integers(2) else {})
+        faults.append(Fault(f"f{number}", target, kind, start, duration, given))
+    record = ["*", "source.*@true", "lag.*@true"]
+    recording = run(*faults, algorithm=algorithm, u=1.0, interpolates=bool(seed % 2), record=record)
     assert np.isfinite(recording.values).all()

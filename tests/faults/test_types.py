@@ -189,8 +189,9 @@ def test_no_number(target, value, expected, algorithm):
 @RECEIVERS
 @pytest.mark.parametrize("order", [[2, 1, 3], [2, 3, 1], [3, 2, 1]])
 def test_elements_change_places_at_the_same_time(order, interpolates, algorithm):
-    """Wrong: the second element gets what the first has got already."""
-    targets, record = ["source.y", "source.seen", "source.current"], ["source.seen", "source.current"]
+    """Wrong: the second element gets what the first has got already, or has that as its true value."""
+    targets = ["source.y", "source.seen", "source.current"]
+    record = [*targets[1:], "source.seen@true", "source.current@true"]
     options = {"algorithm": algorithm, "interpolates": interpolates, "record": record}
     recording = run(fault("swap", targets, order=order), **options)
     clean = run(**options)
@@ -198,6 +199,7 @@ def test_elements_change_places_at_the_same_time(order, interpolates, algorithm)
         expected = clean[target].copy()
         expected[FIRST:END] = clean[targets[place - 1]][FIRST:END]
         assert recording[target].tobytes() == expected.tobytes()
+        assert recording[f"{target}@true"].tobytes() == clean[target].tobytes()
     v = clean[targets[order[0] - 1]]
     ahead = clean["source.y"][1:].copy()
     ahead[FIRST:END] = v[FIRST + 1 : END + 1]

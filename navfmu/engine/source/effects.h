@@ -6,15 +6,6 @@
 
 #include "act.h"
 
-/* Kept out of the way of the calls that succeed and of components without faults; what is done often then, and not. */
-#if defined(__GNUC__)
-#define RARELY __attribute__((noinline, cold))
-#define ASIDE __attribute__((noinline))
-#else
-#define RARELY
-#define ASIDE
-#endif
-
 static inline uint64_t bits(double value) {
     uint64_t n;
     memcpy(&n, &value, sizeof n);
@@ -65,13 +56,12 @@ static inline int same(const Master *m, const Effect *e) {
     return !e->echoes && e->reaches == 1 && bits(m->memory[e->before]) == bits(m->signal[e->slot]);
 }
 
-/* Values that leave at communication point k, from the true ones. `only`: those of k = 0 come about one by one, and this
-   signal goes to others before the rest is known; -1: all are. Nothing else of the rest can be compared. */
-static inline void leave(Master *m, int first_signal, int signals, int first_effect, int effects, int64_t k,
-                         int32_t only) {
+/* Effects act on the values that leave at communication point k, which are still the true ones, and those that nobody
+   has seen are searched. `only`: values of k = 0 come about one by one, and this signal goes to others before the rest
+   is known; -1: all are. Nothing else of the rest can be compared. Returns whether there is one. */
+static RARELY int leave_searched(Master *m, int first_effect, int effects, int64_t k, int32_t only) {
     double *value = m->signal;
     Effect *first = m->effect + first_effect, *end = first + effects;
-    memcpy(value + first_signal, value + m->signals + first_signal, sizeof(double) * (size_t)signals);
     int unseen = 0;
     for (Effect *e = first; e < end; e++) {
         if (e->seen < 0) {
@@ -80,19 +70,18 @@ static inline void leave(Master *m, int first_signal, int signals, int first_eff
         }
         act(m, e, m->memory + e->memory, value, k);
     }
-    if (!unseen) return;
-    for (Effect *e = first; e < end; e++) {
+    for (Effect *e = first; unseen && e < end; e++) {
         if (e->seen >= 0) continue;
         int acts = m->trigger[e->trigger].now.acts;
         if (same(m, e)) e->followed = acts;
         else if (acts || e->followed) search(m, e, k, only);
     }
+    return unseen;
 }
 
 /* At t = 0 nothing lies ahead yet: what leaves is what every input gets. */
 static inline void no_step_yet(Master *m, const Component *c) {
-    memcpy(m->signal + 2 * m->signals + c->first_signal, m->signal + c->first_signal,
-           sizeof(double) * (size_t)(c->reals + c->integers + c->booleans));
+    for (int i = 0; i < c->exposures; i++) m->signal[2 * m->signals + c->exposed[i]] = m->signal[c->exposed[i]];
 }
 
 /* The same question as in `search`, for the values just before point k + 1. */
@@ -107,12 +96,10 @@ static RARELY void search_ahead(Master *m, Effect *e, int64_t k) {
     }
 }
 
-/* Values just before communication point k + 1, where the effects of point k still act on the true values. */
-static inline void look_ahead(Master *m, const Component *c, int64_t k) {
+/* Effects of point k act on the values just before point k + 1, which are still the true ones. */
+static RARELY void look_ahead_searched(Master *m, const Component *c, int64_t k) {
     double *ahead = m->signal + 2 * m->signals;
     Effect *first = m->effect + c->first_effect, *end = first + c->effects;
-    memcpy(ahead + c->first_signal, m->signal + m->signals + c->first_signal,
-           sizeof(double) * (size_t)(c->reals + c->integers + c->booleans));
     int unseen = 0;
     for (Effect *e = first; e < end; e++) {
         if (!e->foreseen) continue;
@@ -122,8 +109,7 @@ static inline void look_ahead(Master *m, const Component *c, int64_t k) {
         }
         act_ahead(m, e, m->memory + e->memory, ahead, k);
     }
-    if (!unseen) return;
-    for (Effect *e = first; e < end; e++)
+    for (Effect *e = first; unseen && e < end; e++)
         if (e->foreseen && e->seen < 0 && e->followed) search_ahead(m, e, k);
 }
 

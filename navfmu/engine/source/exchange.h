@@ -156,9 +156,8 @@ static inline int make_step(Master *m, Component *c, double t) {
     return status == fmi2Discard ? discarded(m, c) : failed(m, c, status);
 }
 
-/* Read the outputs into `to`, the signals of the values that left or of the true ones. */
-static inline int read_into(Master *m, Component *c, double *to) {
-    to += c->first_signal;
+static inline int read_signals(Master *m, Component *c) {
+    double *to = m->signal + c->first_signal;
     if (c->reals) TRY(GET_REAL, c->get_real(c->instance, c->real_reference, (size_t)c->reals, to));
     to += c->reals;
     if (c->integers) {
@@ -173,18 +172,43 @@ static inline int read_into(Master *m, Component *c, double *to) {
     return 0;
 }
 
-/* The faults of communication point k act on the outputs that were read: on all of them (-1) or `only` one. */
-static ASIDE void disturb(Master *m, Component *c, int64_t k, int32_t only) {
-    if (k > 0 && c->foreseen) look_ahead(m, c, k - 1);
-    leave(m, c->first_signal, c->reals + c->integers + c->booleans, c->first_effect, c->effects, k, only);
+/* The faults of communication point k act on true values: on all of them (-1) or `only` one. */
+static RARELY void disturb_searched(Master *m, Component *c, int64_t k, int32_t only) {
+    if (k > 0 && c->foreseen) look_ahead_searched(m, c, k - 1);
+    c->searched = leave_searched(m, c->first_effect, c->effects, k, only) || k == 0;
     if (k == 0) no_step_yet(m, c);
+}
+
+/* They act on the outputs that were read. Values go one by one: a copy in wider pieces would have to wait for what an
+   FMU has just written in narrow ones. */
+static ASIDE void disturb(Master *m, Component *c, int64_t k) {
+    double *leaving = m->signal, *truth = leaving + m->signals, *ahead = truth + m->signals;
+    if (c->copied)
+        for (const int32_t *s = c->exposed, *end = s + c->exposures; s < end; s++) truth[*s] = ahead[*s] = leaving[*s];
+    if (c->searched) {
+        disturb_searched(m, c, k, -1);
+        return;
+    }
+    const Effect *first = m->effect + c->first_effect, *last = first + c->effects;
+    for (const Effect *e = first; e < last; e++) {
+        double *memory = m->memory + e->memory;
+        if (e->foreseen) act_ahead(m, e, memory, ahead, k - 1);
+        act(m, e, memory, leaving, k);
+    }
+}
+
+/* They act on the true values that are known from before. */
+static RARELY void disturb_again(Master *m, Component *c, int64_t k, int32_t only) {
+    double *leaving = m->signal, *truth = leaving + m->signals, *ahead = truth + m->signals;
+    for (const int32_t *s = c->exposed, *end = s + c->exposures; s < end; s++) leaving[*s] = ahead[*s] = truth[*s];
+    disturb_searched(m, c, k, only);
 }
 
 /* Outputs at communication point k, with the faults of that point. */
 static inline int read_outputs(Master *m, Component *c, int64_t k) {
-    if (read_into(m, c, c->effects ? m->signal + m->signals : m->signal)) return 1;
+    if (read_signals(m, c)) return 1;
     called_last(c);
-    if (c->effects) disturb(m, c, k, -1);
+    if (c->effects) disturb(m, c, k);
     return 0;
 }
 

@@ -20,7 +20,7 @@ static int exit_initialization(Master *m, Component *c) {
 
 /* One output. */
 static int read_one(Master *m, Component *c, const Move *v) {
-    double *to = (c->effects ? m->signal + m->signals : m->signal) + v->slot;
+    double *to = m->signal + v->slot;
     fmi2Integer integer;
     fmi2Boolean boolean;
     switch (v->type) {
@@ -35,7 +35,8 @@ static int read_one(Master *m, Component *c, const Move *v) {
         break;
     }
     look(c);
-    if (c->effects) disturb(m, c, 0, v->slot);
+    m->signal[m->signals + v->slot] = *to;
+    if (c->effects) disturb_again(m, c, 0, v->slot);
     return 0;
 }
 

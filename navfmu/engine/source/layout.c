@@ -25,12 +25,12 @@ static const Field FIELDS[] = {
 
     WHOLE(Span), FIELD(Span, first), FIELD(Span, end),
 
-    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, amount), FIELD(Effect, other),
-    FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, multiplier), FIELD(Effect, divisor),
-    FIELD(Effect, memory), FIELD(Effect, size), FIELD(Effect, first_pair), FIELD(Effect, pairs),
-    FIELD(Effect, first_reach), FIELD(Effect, reaches),
-    FIELD(Effect, foreseen), FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes), FIELD(Effect, followed),
-    FIELD(Effect, seen),
+    WHOLE(Effect), FIELD(Effect, kind), FIELD(Effect, slot), FIELD(Effect, trigger), FIELD(Effect, foreseen),
+    FIELD(Effect, amount), FIELD(Effect, other), FIELD(Effect, memory), FIELD(Effect, size),
+    FIELD(Effect, first_pair), FIELD(Effect, pairs), FIELD(Effect, multiplier), FIELD(Effect, divisor),
+    FIELD(Effect, seed), FIELD(Effect, stream), FIELD(Effect, lane), FIELD(Effect, first_reach),
+    FIELD(Effect, reaches), FIELD(Effect, before), FIELD(Effect, first_echo), FIELD(Effect, echoes),
+    FIELD(Effect, followed), FIELD(Effect, seen),
 
     WHOLE(Echo), FIELD(Echo, effect), FIELD(Echo, memory),
 
@@ -61,7 +61,8 @@ static const Field FIELDS[] = {
     FIELD(Component, integer_value), FIELD(Component, boolean_value), FIELD(Component, reals),
     FIELD(Component, integers), FIELD(Component, booleans), FIELD(Component, first_signal),
     FIELD(Component, real_reference), FIELD(Component, integer_reference), FIELD(Component, boolean_reference),
-    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, foreseen),
+    FIELD(Component, whole), FIELD(Component, first_effect), FIELD(Component, effects), FIELD(Component, exposures),
+    FIELD(Component, exposed), FIELD(Component, foreseen), FIELD(Component, copied), FIELD(Component, searched),
     FIELD(Component, first_loss), FIELD(Component, losses), FIELD(Component, warnings),
     FIELD(Component, strayed), FIELD(Component, look),
 
@@ -71,7 +72,7 @@ static const Field FIELDS[] = {
     FIELD(Log, error_more), FIELD(Log, warning_more),
 
     WHOLE(Master), FIELD(Master, place), FIELD(Master, component), FIELD(Master, order), FIELD(Master, move),
-    FIELD(Master, trigger), FIELD(Master, acting), FIELD(Master, window), FIELD(Master, span), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, loss),
+    FIELD(Master, trigger), FIELD(Master, acting), FIELD(Master, acted), FIELD(Master, window), FIELD(Master, span), FIELD(Master, effect), FIELD(Master, echo), FIELD(Master, loss),
     FIELD(Master, behind), FIELD(Master, reach),
     FIELD(Master, readers), FIELD(Master, memory), FIELD(Master, without), FIELD(Master, turned), FIELD(Master, monitor),
     FIELD(Master, operation), FIELD(Master, signal),
@@ -80,7 +81,7 @@ static const Field FIELDS[] = {
     FIELD(Master, first_driven),
     FIELD(Master, driven), FIELD(Master, first_driven_effect), FIELD(Master, driven_effects),
     FIELD(Master, algorithm), FIELD(Master, columns), FIELD(Master, column), FIELD(Master, rows),
-    FIELD(Master, record_every), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
+    FIELD(Master, record_every), FIELD(Master, calm), FIELD(Master, step), FIELD(Master, numerator), FIELD(Master, denominator),
     FIELD(Master, interrupt), FIELD(Master, status), FIELD(Master, ended), FIELD(Master, turn), FIELD(Master, last),
 
     VALUE(TriggerKind, LISTED), VALUE(TriggerKind, WHEN), VALUE(TriggerKind, DURING),

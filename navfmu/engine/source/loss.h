@@ -20,7 +20,7 @@ static inline int loses(Master *m, const Component *c) { return c->losses && is_
 /* The step is lost: the outputs are what they were, under the faults of communication point k. */
 static RARELY void stand_still(Master *m, Component *c, int64_t k) {
     m->behind[c - m->component]++;
-    if (c->effects) disturb(m, c, k, -1);
+    if (c->effects) disturb_again(m, c, k, -1);
 }
 
 #endif

@@ -4,7 +4,9 @@
 #include "trigger.h"
 
 static void drive(Master *m, int64_t k) {
-    if (m->driven) leave(m, m->first_driven, m->driven, m->first_driven_effect, m->driven_effects, k, -1);
+    if (!m->driven) return;
+    memcpy(m->signal + m->first_driven, m->signal + m->signals + m->first_driven, sizeof(double) * (size_t)m->driven);
+    leave_searched(m, m->first_driven_effect, m->driven_effects, k, -1);
 }
 
 static void record(Master *m, int64_t row) {

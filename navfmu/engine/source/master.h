@@ -30,7 +30,9 @@ typedef struct {
 
 typedef enum { LISTED, WHEN, DURING } TriggerKind;
 
-/* Communication points first <= k < end at which a trigger acted. */
+#define FOREVER ((int64_t)1 << 62) /* a communication point that no run reaches */
+
+/* Communication points first <= k < end at which a trigger acted; FOREVER: it still does. */
 typedef struct {
     int64_t first, end;
 } Span;
@@ -56,13 +58,13 @@ typedef struct {
     int32_t kind;
     int32_t slot;                 /* the signal it changes */
     int32_t trigger;
+    int32_t foreseen;             /* whether somebody takes one of these as it is just before the next point */
     double amount, other;
-    uint64_t seed, stream, lane;  /* random numbers: key, and task word of the counter */
-    int64_t multiplier, divisor;  /* number of a period: k * multiplier / divisor */
     int32_t memory, size;         /* what it remembers: place and length in Master.memory */
     int32_t first_pair, pairs;    /* SWAP, TAKE: the signals that change, behind them those whose value they get */
+    int64_t multiplier, divisor;  /* number of a period: k * multiplier / divisor */
+    uint64_t seed, stream, lane;  /* random numbers: key, and task word of the counter */
     int32_t first_reach, reaches; /* the signals that can be different because of it */
-    int32_t foreseen;             /* whether somebody takes one of them as it is just before the next point */
     int32_t before;               /* these before it, now: place in Master.memory */
     int32_t first_echo, echoes;   /* later effects on them */
     int32_t followed;             /* whether something may be different because of it, which nobody has seen yet */
@@ -156,7 +158,11 @@ typedef struct {
     int32_t *whole;               /* room for the Integer and Boolean outputs */
 
     int32_t first_effect, effects;
-    int32_t foreseen;             /* whether somebody takes its values as they are just before the next point */
+    int32_t exposures;            /* signals that effects change or look at */
+    const int32_t *exposed;
+    int32_t foreseen;             /* whether somebody takes one of these as it is just before the next point */
+    int32_t copied;               /* or needs the true value of one besides the one that leaves */
+    int32_t searched;             /* whether it may be that nothing has been seen of one of its effects */
     int32_t first_loss, losses;
     int64_t warnings;             /* calls that returned fmi2Warning */
     int32_t strayed;              /* what it has changed of how this thread calculates; see floating.h */
@@ -192,7 +198,7 @@ typedef struct {
     const int32_t *order;         /* in which they step in Gauss-Seidel */
     const Move *move;             /* how the values of t = 0 come about */
     Trigger *trigger;
-    int32_t *acting;              /* whether each trigger acts at the point to which it was moved */
+    int32_t *acting, *acted;      /* whether each trigger acts at the point to which it was moved, and the one before */
     const Window *window;
     Span *span;
     Effect *effect;
@@ -206,7 +212,7 @@ typedef struct {
     double *turned;               /* room: values that change places */
     Monitor *monitor;
     const Operation *operation;   /* of all programs */
-    double *signal;               /* the values that left, then the true ones, then those ahead */
+    double *signal;               /* the values that left; then the true ones, then those ahead, where faults can change them */
     int32_t components, moves, signals, monitors, triggers;
     int32_t faults;               /* the first triggers are theirs */
     int32_t first_driven, driven; /* driven signals are the last ones */
@@ -217,6 +223,7 @@ typedef struct {
     const int32_t *column;        /* recorded signals */
     double *rows;                 /* room for every recorded communication point */
     int64_t record_every;
+    int64_t calm;                 /* the point before which no trigger needs to be moved */
 
     double step, numerator, denominator; /* t_k = k * numerator / denominator */
     int32_t interrupt;            /* set to 1 from another thread to stop at the next communication point */

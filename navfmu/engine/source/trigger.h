@@ -30,14 +30,23 @@ static inline Moment moment_of(const Master *m, Trigger *t, int64_t k) {
     return now;
 }
 
-/* That it acts at point k belongs to a new span, or to the last one. */
+/* It begins to act at point k, in a new span or in the last one, or does so no more. */
 static inline void keep(const Master *m, Trigger *t, int64_t k) {
-    if (!t->before.acts && t->spans < t->room) m->span[t->first_span + t->spans++].first = k;
-    m->span[t->first_span + t->spans - 1].end = k + 1;
+    if (t->now.acts && t->spans < t->room) m->span[t->first_span + t->spans++].first = k;
+    m->span[t->first_span + t->spans - 1].end = t->now.acts ? FOREVER : k;
+}
+
+/* Before which point it needs not be moved, as nothing that it says of point k and the one before can change. */
+static inline int64_t stays(const Master *m, const Trigger *t, int64_t k) {
+    if (t->operations || t->now.acts != t->before.acts || t->now.since != t->before.since) return k + 1;
+    if (t->window == t->last) return FOREVER;
+    return t->now.acts ? m->window[t->window].end : m->window[t->window].first;
 }
 
 /* From point k - 1, whose values have all left, to point k: the one place where it is decided what acts there. */
 static inline void move_triggers(Master *m, int64_t k) {
+    if (k < m->calm) return;
+    m->calm = FOREVER;
     Trigger *end = m->trigger + m->triggers;
     for (Trigger *t = m->trigger; k && t < end; t++) /* all are asked before one of them moves */
         if (t->operations)
@@ -45,8 +54,11 @@ static inline void move_triggers(Master *m, int64_t k) {
     for (Trigger *t = m->trigger; t < end; t++) {
         t->before = t->now;
         t->now = moment_of(m, t, k);
-        if (t->now.acts) keep(m, t, k);
+        if (t->now.acts != t->before.acts) keep(m, t, k);
         m->acting[t - m->trigger] = t->now.acts;
+        m->acted[t - m->trigger] = t->before.acts;
+        int64_t until = stays(m, t, k);
+        if (until < m->calm) m->calm = until;
     }
 }
 
