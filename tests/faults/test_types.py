@@ -220,6 +220,19 @@ def test_elements_of_two_components_cannot_change_places():
     assert inputs["other.u"][FIRST] == 3.0 * inputs["source.y"][FIRST]
 
 
+def test_a_late_exchange_is_a_delay_of_one_step_at_the_input():
+    """An input that gets the value of the point before: in Gauss-Seidel that of Jacobi, at one receiver only."""
+    late_ = Fault("x", ["lag.u", "lag.number"], "delay", delay=H)
+    options = {"interpolates": False, "record": ["lag.number", "lag.echo"]}
+    recording = run(late_, algorithm="gauss_seidel", **options)
+    on_time, jacobi = run(algorithm="gauss_seidel", **options), run(**options)
+    for name in ("lag.y", "lag.echo"):
+        assert np.array_equal(recording[name], jacobi[name]) and not np.array_equal(recording[name], on_time[name])
+    for name in ("lag.u", "lag.number"):
+        assert np.array_equal(recording[name][1:], on_time[name][:-1])
+    assert np.array_equal(recording["other.y"], on_time["other.y"])
+
+
 @ALGORITHMS
 @pytest.mark.parametrize("start", [0.0, 0.3])
 def test_before_the_first_value_there_is_the_first(start, algorithm):
