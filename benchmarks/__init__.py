@@ -2,10 +2,13 @@
 
     python -m benchmarks.ring       six first-order lags in a ring: master against master, the FMUs cost nothing
     python -m benchmarks.flight     the backup navigator's flight, ten FMUs at 100 Hz
+    python -m benchmarks.faults     the same flight with twenty faults against none
     python -m benchmarks.imu_twin   the native IMU against its PythonFMU twin
     python -m benchmarks.startup    navfmu run --help against bare Python
-    python -m benchmarks            all four, a table and benchmarks.json
+    python -m benchmarks            all of them, a table and benchmarks.json
 
 Each needs the FMUs of build_fmus.py. Contenders take turns, round after round, so that a disturbance of the machine
 hits all of them; a result is the median over the rounds.
 """
+
+NAMES = ("ring", "flight", "faults", "imu_twin", "startup")

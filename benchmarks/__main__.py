@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 
-from benchmarks import flight, imu_twin, ring, startup
+from benchmarks import NAMES
 from benchmarks.contest import show, write
 
-contests = [benchmark.run() for benchmark in (ring, flight, imu_twin, startup)]
+contests = [importlib.import_module(f"benchmarks.{name}").run() for name in NAMES]
 show(contests)
 if len(sys.argv) > 1:
     write(contests, Path(sys.argv[1]))

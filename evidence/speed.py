@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import flight, imu_twin, ring, startup
+from benchmarks import NAMES
 from benchmarks.contest import Contest, write
 from evidence.section import Section
 from navfmu.report.page import Page
 from navfmu.terminal.progress import Progress
-
-BENCHMARKS = (ring, flight, imu_twin, startup)
 
 
 def run(out: Path) -> Section:
     """Run every benchmark; numbers are kept in ``out``/benchmarks.json."""
     contests = []
     with Progress("benchmarks") as progress:
-        for number, benchmark in enumerate(BENCHMARKS):
-            progress(number, len(BENCHMARKS), benchmark.__name__.rpartition(".")[2])
-            contests.append(benchmark.run())
+        for number, name in enumerate(NAMES):
+            progress(number, len(NAMES), name)
+            contests.append(importlib.import_module(f"benchmarks.{name}").run())
     write(contests, out / "benchmarks.json")
     return section(contests)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from benchmarks import ring
+import benchmarks
+from benchmarks import NAMES, ring
 from benchmarks.contest import Contest, compete
 from benchmarks.masters import BareLoop, Ours, check_equal
 from navfmu import System
@@ -55,3 +58,17 @@ def test_contenders_take_turns_and_ratios_are_taken_within_a_round():
     noisy.claim("b / a", 2.5, noisy.ratio("b", "a"))
     noisy.claim("b / a", 2.5, noisy.ratio("b", "a"), at_least=False)
     assert [claim.holds for claim in noisy.claims] == [False, True]
+
+
+def test_every_benchmark_is_among_those_that_are_run():
+    """Wrong: one that stands alone, whose claim nobody measures."""
+    folder = Path(benchmarks.__file__).parent
+    assert sorted(NAMES) == sorted(path.stem for path in folder.glob("*.py") if "\ndef run(" in path.read_text())
+
+
+def test_twenty_faults_are_twenty_of_many_types_in_many_components():
+    from benchmarks.faults import faults
+
+    given = faults()
+    assert len(given) == 20 and len({fault.type for fault in given}) >= 9
+    assert len({fault.targets[0].split(".")[0] for fault in given}) == 10
