@@ -13,9 +13,9 @@ from navfmu.system import shipped
 
 WORK = (
     "Steps of one flight in Gauss-Seidel with the slopes of inputs; loading, initialisation and recording are not in "
-    "the times. The twenty faults act at every step, each on one variable, at outputs of nine components and inputs of two; "
-    "they are so small that components have the same to do with and without them; something has been seen of each of them before the first "
-    "round."
+    "the times. The twenty faults act at every step, each on one variable, at outputs of nine components and inputs of "
+    "two; they are so small that components have the same to do with and without them; something has been seen of each "
+    "of them before the first round."
 )
 
 
