@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-HEADINGS = ("fault", "target", "type", "time, s")
+HEADINGS = ("fault", "target", "type", "time")
 TIMES = ("start", "duration", "when", "during", "hold")
 OWN = ("id", "target", "type", *TIMES, "fmea", "description", "file")  # the other entries are its values
 
@@ -18,13 +18,13 @@ def cells(fault: Mapping[str, Any]) -> list[str]:
 
 
 def _time(fault: Mapping[str, Any]) -> str:
-    """When it acts, in s."""
+    """When it acts."""
     start, duration = fault["start"], fault.get("duration")
     held = f", for {fault['hold']:g} s" if fault.get("hold") else ""
     if "when" in fault:
-        after = f"from {start:g}, " if start else ""
+        after = f"from {start:g} s on, " if start else ""
         return f"{after}once {fault['when']}{held}" + (f": for {duration:g} s" if duration else "")
-    window = f"{start:g} to {start + duration:g}" if duration else f"from {start:g}"
+    window = f"{start:g} to {start + duration:g} s" if duration else f"from {start:g} s"
     if "during" in fault:
         return f"{window}, while {fault['during']}{held}" if start or duration else f"while {fault['during']}{held}"
     return window

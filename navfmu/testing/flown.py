@@ -51,4 +51,4 @@ class Flown:
 
 def _fault(description: dict) -> str:
     name, target, kind, when = faults.cells(description)
-    return f"{'' if name == target else f'{name}: '}{kind} on {target}, {when} s"
+    return f"{'' if name == target else f'{name}: '}{kind} on {target}, {when}"

@@ -238,7 +238,7 @@ def many() -> dict:
 
     requirement = {
         "id": "R-1", "severity": "", "sentence": "a.x <= 900 m always", "description": "", "signal": "a.x", "unit": "m",
-        "runs": 100.0, "quantile": None, "bounds": [None, 900.0],
+        "runs": 100.0, "quantile": None, "quantity": ["a.x", " at its worst time", "worst x"], "bounds": [None, 900.0],
     }  # fmt: skip
     cases, groups, runs = [], [], []
     for number in range(RUNS // 2 // SEEDS):

@@ -79,7 +79,7 @@ function runDetail(number) {
       asked.map(([r, f]) => [`${r.id}: ${r.sentence}`, ...findingCells(f)]),
     ));
   }
-  if (run.faults.length) content.push(listed(["fault", "target", "type", "time, s"], run.faults));
+  if (run.faults.length) content.push(listed(["fault", "target", "type", "time"], run.faults));
   const said = [
     ...Object.entries(run.idle).map(([fault, why]) => `fault '${fault}' did not happen: ${why}`),
     ...Object.entries(run.not_finite).map(([signal, count]) => `${signal} is not finite at ${count} recorded points`),
