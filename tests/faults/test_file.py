@@ -108,6 +108,8 @@ def test_the_documented_examples_are_fault_files():
     assert [f.id for block in blocks[1:] for f in parse_faults(block, "docs/faults.md")] == [
         "loose_contact",
         "gps_outage",
+        "engine_out",
+        "ice",
     ]
     made: dict = {}
     exec(re.search(r"```python\n(.*?)```", text, re.DOTALL)[1].partition("flight =")[0], made)
