@@ -4,30 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from navfmu.campaign import valued
 from navfmu.campaign.case import Case
 from navfmu.campaign.outcome import Judged, Outcome
 from navfmu.errors import NavfmuError
 from navfmu.report.kind import Picture
 from navfmu.report.pictures import percentiles
 from navfmu.report.scene import Bound, Recorded, Scene
+from navfmu.system.assembly import Assembly
 from navfmu.system.scene import scene_of
 
 
 def pictures_of(outcome: Outcome, variant: str, case: Case) -> list[Picture]:
-    """Those of the system's report file, and the signals of requirements asked here that have no picture there."""
+    """Those of the system's report file, and what requirements put bounds on here and has no picture there."""
     campaign = outcome.campaign
     system = campaign.systems[variant]
     found = list(system.report.pictures) if system.report else []
     shown = {name for picture in found if isinstance(picture, percentiles.Picture) for name in picture.needs()}
     asked = [requirement for requirement in campaign.requirements if requirement.applies(variant, case)]
-    for name in dict.fromkeys(requirement.signal for requirement in asked):
-        try:
-            worth_a_curve = system.variable(name.removesuffix("@true")).type == "Real"
-        except NavfmuError:  # another variant's
-            continue
-        if worth_a_curve and name not in shown:
+    for name, requirement in {requirement.signal: requirement for requirement in asked}.items():
+        if requirement.signals != [name]:
+            if requirement.kind == "signal" and not requirement.truth:
+                found.append(valued.Picture(kind="percentiles", signal=name, requirement=requirement))
+        elif name not in shown and _is_real(system, name):
             found.append(percentiles.Picture(kind="percentiles", signal=name))
     return found
+
+
+def _is_real(system: Assembly, name: str) -> bool:
+    try:
+        return system.variable(name.removesuffix("@true")).type == "Real"
+    except NavfmuError:  # another variant's
+        return False
 
 
 def scene(outcome: Outcome, variant: str, case: Case, picture: Picture, runs: Sequence[Judged], shown: Judged) -> Scene:

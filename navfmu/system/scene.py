@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from navfmu.report.kind import Kind
 from navfmu.report.scene import Bound, Recorded, Scene, Window
@@ -37,13 +37,23 @@ def scene_of(
 
 
 def windows(acted: Sequence[Acted]) -> tuple[Window, ...]:
-    """When faults acted in some runs: where that differs, from the first time to the last one of all runs."""
+    """When faults acted in some runs: where that differs, the times at which they did in any of them."""
     found = []
     for fault in dict.fromkeys(name for one in acted for name in one):
         spans = {tuple((begin, end) for begin, end in one.get(fault, ())) for one in acted}
         if len(spans) == 1:
             found.append(Window(fault, *spans))
             continue
-        times = [time for one in spans for span in one for time in span]
-        found.append(Window(f"{fault} (in each run at another time)", ((min(times), max(times)),)))
+        every = _joined(span for one in spans for span in one)
+        found.append(Window(f"{fault} (in each run at another time)", every))
+    return tuple(found)
+
+
+def _joined(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """The times that lie in any of some spans."""
+    found: list[tuple[float, float]] = []
+    for begin, end in sorted(spans):
+        if found and begin <= found[-1][1]:
+            begin, end = found[-1][0], max(found.pop()[1], end)
+        found.append((begin, end))
     return tuple(found)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 
 import pytest
 
 from navfmu.report.page import Page
+from tests.report.browser import PROGRAM, needed
 
-BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 PAPER = 700  # px: the width of A4 between margins of 12 mm
 MEASURE = """
 <script>
@@ -58,12 +57,13 @@ def measured(html: str, width: int, folder) -> dict:
     file = folder / "page.html"
     file.write_text(html.replace("</body>", MEASURE + "</body>"), encoding="utf-8")
     flags = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--hide-scrollbars")
+    assert PROGRAM is not None, "there is no chromium"
     where = (f"--user-data-dir={folder / 'profile'}", f"--window-size={width},1000", "--dump-dom", file.as_uri())
-    done = subprocess.run([BROWSER, *flags, *where], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([PROGRAM, *flags, *where], capture_output=True, text=True, timeout=120)
     return json.loads(re.search(r"<title>(.*?)</title>", done.stdout)[1].replace("&quot;", '"'))
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no browser is installed")
+@needed
 @pytest.mark.parametrize(("medium", "width"), [("screen", 1200), ("print", PAPER)])
 @pytest.mark.parametrize("page", [sweep_page, findings_page])
 def test_a_wide_table_is_shown_whole(page, medium, width, tmp_path):

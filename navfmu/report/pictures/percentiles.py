@@ -31,6 +31,10 @@ class Picture(Base):
     def needs(self) -> list[str]:
         return [self.signal]
 
+    def words(self) -> str:
+        """What the curve and the axis are called."""
+        return words(self.signal)
+
     def draw(self, scene: Scene) -> Drawn:
         runs = whole(scene.runs)
         time, values = runs[0].time, np.stack([run[self.signal] for run in runs])
@@ -60,7 +64,7 @@ class Picture(Base):
             pad = shading.shade(drawing, [axis], scene.windows, time[0], time[-1])
             title(drawing, axis, heading, pad)
             axis.set_xlabel("time, s")
-            axis.set_ylabel(f"{words(self.signal)}, {unit or '1'}")
+            axis.set_ylabel(f"{self.words()}, {unit or '1'}")
             if time[-1] > time[0]:
                 axis.set_xlim(time[0], time[-1])
             axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=COLUMNS)
@@ -72,12 +76,12 @@ class Picture(Base):
         range_ = f": {with_unit(f'{readable(least)} to {readable(greatest)}', unit)}" if math.isfinite(least) else ""
         said = "".join(f"; {text.upper()}" for text in (remark([run[self.signal]]), early([run])) if text)
         look = "line" if run.signals[self.signal].dtype.kind == "f" else "steps"
-        curves = [Curve(words(self.signal), run.time, run[self.signal], look, COLOURS[0], peaks=True)]
+        curves = [Curve(self.words(), run.time, run[self.signal], look, COLOURS[0], peaks=True)]
         bounds = _distinct([bound for bound in scene.bounds if bound.signal == self.signal])
         for colour, (text, level, start, end) in zip(cycle(COLOURS[1:]), bounds, strict=False):
             if start <= run.points[-1]:
                 curves.append(constant(text, level, max(start, run.points[0]), min(end, run.points[-1]), colour))
-        axis = f"{words(self.signal)}, {unit or '1'}"
+        axis = f"{self.words()}, {unit or '1'}"
         return [Panel(f"{self.signal}{range_}{said}", "time, s", axis, tuple(curves))]
 
     def _spread(self, axis: Any, time: np.ndarray, values: np.ndarray) -> None:
