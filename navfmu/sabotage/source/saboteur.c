@@ -15,12 +15,13 @@ void THROUGH(double *v, double *memory, int64_t k);
 void THROUGH(double *v, double *memory, int64_t k) {
     Trigger trigger[TRIGGERS];
     Span span[TRIGGERS];
-    int32_t acting[TRIGGERS];
+    int32_t acting[TRIGGERS], acted[TRIGGERS];
     double signal[SIGNALS], turned[SIGNALS];
     Master m = {
         .trigger = trigger,
         .triggers = TRIGGERS,
         .acting = acting,
+        .acted = acted,
         .window = windows,
         .span = span,
         .reach = reach,
