@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.sax.saxutils import quoteattr
 
 from navfmu import __version__
@@ -219,7 +219,8 @@ def _units(model: ir.Model) -> Iterable[str]:
     yield "  <UnitDefinitions>"
     for unit in used:
         yield f"    <Unit name={quoteattr(unit)}>"
-        yield "      " + _tag("BaseUnit", _base_of(model, unit), closed=True)
+        if (base := _base_of(model, unit)) is not None:
+            yield "      " + _tag("BaseUnit", base, closed=True)
         for name, (factor, offset) in DISPLAY_UNITS.get(unit, {}).items():
             if any(v.unit == unit and v.display_unit == name for v in model.variables):
                 numbers = {"name": name, "factor": factor, "offset": offset or None}
@@ -228,12 +229,14 @@ def _units(model: ir.Model) -> Iterable[str]:
     yield "  </UnitDefinitions>"
 
 
-def _base_of(model: ir.Model, unit: str) -> dict[str, object]:
-    """The attributes of a unit's definition; where nothing is known of it there are none."""
+def _base_of(model: ir.Model, unit: str) -> Mapping[str, object] | None:
+    """The attributes of a unit's definition; None: nothing is known but its name."""
     if unit not in model.units:
         return base_units(unit)
     own = model.units[unit]
-    powers = {name: power for name, power in zip(BASE, own.exponents or (), strict=False) if power}
+    if own.exponents is None:
+        return None
+    powers = {name: power for name, power in zip(BASE, own.exponents, strict=True) if power}
     return powers | {"factor": own.factor if own.factor != 1.0 else None, "offset": own.offset or None}
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import os
 import subprocess
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -15,7 +17,9 @@ from fmpy.validation import validate_fmu
 from navfmu import Fault, System
 from navfmu.engine.link import TYPES
 from navfmu.export.build import build, prepare
+from navfmu.export.description import describe
 from navfmu.export.toolchain import TARGETS
+from navfmu.fmi.units import Unit
 from navfmu.sabotage.saboteur import saboteurs
 from tests import sanitizers
 from tests.components import systems
@@ -70,6 +74,17 @@ def test_they_are_valid_and_say_what_depends_on_what(fmus, unzipped):
         "seed",
     }
     assert sensor["reading.length"].find("Real").get("unit") == "m"
+
+
+def test_units_of_other_makers_are_taken_over_as_they_are():
+    """One that is no SI unit with its factor; of one that nobody defines the name, and not that it has no dimension."""
+    feet = Unit("ft", (0, 1, 0, 0, 0, 0, 0, 0), 0.3048)
+    model = made()[1].model
+    variables = [dataclasses.replace(model.variables[0], unit=unit, index=i) for i, unit in enumerate(("ft", "smoot"))]
+    foreign = dataclasses.replace(model, variables=tuple(variables), units={"ft": feet, "smoot": Unit("smoot")})
+    xml = ElementTree.fromstring(describe(foreign, "{x}"))
+    defined = {unit.get("name"): [dict(base.attrib) for base in unit] for unit in xml.iter("Unit")}
+    assert defined == {"ft": [{"m": "1", "factor": "0.3048"}], "smoot": []}
 
 
 @DIRECT
