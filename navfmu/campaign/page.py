@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import zlib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
@@ -128,17 +129,16 @@ def _matrix(result: Page, story: Story) -> None:
     groups = story["groups"] if len(groups) <= PAPER else groups[:PAPER]
 
     def style(row: int, column: int) -> str | None:
-        if column < 2 + len(story["axes"]):
+        if column < 2:
             return None
-        cell = groups[row]["cells"][column - 2 - len(story["axes"])]
+        cell = groups[row]["cells"][column - 2]
         return "none" if cell is None else "good" if cell["passed"] else "bad"
 
     rows = []
     for group in groups:
         case = story["cases"][group["case"]]
-        values = ["" if value is None else value for value in case["values"]]
-        rows.append([group["variant"], case["name"], *values, *(_cell(cell) for cell in group["cells"])])
-    headings = ["variant", "case", *story["axes"], *(requirement["id"] for requirement in story["requirements"])]
+        rows.append([group["variant"], case["name"], *(_cell(cell) for cell in group["cells"])])
+    headings = ["variant", "case", *(requirement["id"] for requirement in story["requirements"])]
     result.table(headings, rows, style, paper=True)
     _rest(result, len(story["groups"]), len(groups), "verdicts.csv", "the worst")
     result.items(_in_words(requirement) for requirement in story["requirements"])
@@ -220,19 +220,28 @@ def _fmea(result: Page, story: Story) -> None:
     )
     ids = [requirement["id"] for requirement in story["requirements"]]
     seen = ["noticed in"] if story["noticing"] else []
+    written = {case["name"]: case["written"] for case in story["cases"]}
     rows, styles = [], []
     for line in lines:
         what = "; ".join(f"{name}: {words}" if words else name for name, words in line["faults"].items())
         held = ["not asked" if pair is None else f"{pair[0]} of {pair[1]}" for pair in line["held"]]
         told = [f"{line['noticed']} of {line['runs']}"] if story["noticing"] else []
         idle = f"; changed nothing in {line['idle']} runs" if line["idle"] else ""
-        rows.append([line["line"], what + idle, _some(line["cases"]), str(line["runs"]), *told, *held])
+        rows.append(
+            [line["line"], what + idle, _some(_gathered(line["cases"], written)), str(line["runs"]), *told, *held]
+        )
         every = ["none" if pair is None else "good" if pair[0] == pair[1] else "bad" for pair in line["held"]]
         styles.append([None, "words", None, None, *(None for _ in seen), *every])
     headings = ["FMEA", "injected", "cases", "runs", *seen, *(f"{name} holds in" for name in ids)]
     result.table(headings, rows, lambda row, column: styles[row][column])
     if any(line["line"] == NONE for line in lines):
         result.text(f"{NONE}: these faults name no line ('fmea' in their file).")
+
+
+def _gathered(cases: Sequence[str], written: Mapping[str, str]) -> list[str]:
+    """Cases as they are written in the file, and how many each stands for."""
+    counts = Counter(written[case] for case in cases)
+    return [name if count == 1 else f"{name} ({count} cases)" for name, count in counts.items()]
 
 
 def _some(names: Sequence[str], most: int = 6) -> str:

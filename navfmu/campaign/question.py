@@ -113,7 +113,7 @@ class Events(Question):
 
     def sentence(self, r: Requirement) -> str:
         lasting = f" for more than {r.tolerance:g} s" if r.tolerance else ""
-        return f"{r.signal}{lasting} at most {r.most:g} times{_when(r)}"
+        return f"{r.signal}{lasting} at most {times(r.most)}{_when(r)}"
 
     def quantity(self, r: Requirement) -> tuple[str, str, str]:
         return f"how often {r.signal}", "", "times"

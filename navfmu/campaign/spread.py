@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,6 +15,7 @@ from navfmu.report.strips import Strip, strips
 ROWS = 40  # strips in a picture: of the groups in which the fewest runs hold
 MANY = 8  # pictures along axes
 
+SIDE = ", those of the variants side by side"
 CROSS = "a dot is a run that is as it should be, a cross one that is not; dashed: what is asked"
 
 
@@ -28,7 +30,7 @@ def spread(story: Story) -> Iterator[Drawn]:
         for group in groups:
             findings = _findings(story, group, number)
             if findings:
-                label = f"{group['variant']}, {story['cases'][group['case']]['name']}"
+                label = f"{group['variant']}, {_short(story['cases'][group['case']])}"
                 values, held = zip(*((_worst(f), f["held"]) for f in findings), strict=True)
                 found.append(Strip(label, values, held))
         every = [value for strip in found for value in strip.values]
@@ -67,7 +69,7 @@ def sweeps(story: Story) -> Iterator[Drawn]:
                 requirement["unit"],
                 {name: Points(*zip(*sorted(points), strict=True)) for name, points in groups.items()},
                 _bounds(requirement),
-                f"{len(every)} runs; {CROSS}.{_without(values)}",
+                f"{len(every)} runs{SIDE if len(groups) > 1 else ''}; {CROSS}.{_without(values)}",
             )
 
 
@@ -82,6 +84,12 @@ def _along_heading(requirement: dict[str, Any], axis: str, points: list[tuple[fl
 def _findings(story: Story, group: dict[str, Any], number: int) -> list[dict[str, Any]]:
     found = (story["runs"][run]["findings"][number] for run in group["runs"])
     return [finding for finding in found if finding is not None]
+
+
+def _short(case: dict[str, Any]) -> str:
+    """The name of a case without those of its axes: "bias (10 min, 1 nmi)"."""
+    varied = any(value is not None for value in case["values"])
+    return re.sub(r"(?<=\()[^=()]+=|(?<=, )[^=(),]+=", "", case["name"]) if varied else case["name"]
 
 
 def _worst(finding: dict[str, Any]) -> float:

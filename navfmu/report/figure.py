@@ -64,11 +64,17 @@ def figure(
         yield drawing, drawing.subplots(rows, columns, **options)
 
 
-def title(drawing: Figure, axis: Any, text: str, pad: float = 6.0) -> None:
-    """A title of a panel, in letters small enough to fit over it; ``pad`` (points) is its distance."""
-    room = axis.get_position().width * drawing.get_figwidth()
+def title(drawing: Figure, axis: Any, text: str, pad: float = 6.0, whole: bool = False) -> None:
+    """A title of a panel, in letters small enough to fit over it, or over the ``whole`` width of the drawing.
+
+    ``pad`` (points) is its distance.
+    """
+    place = axis.get_position()
+    room = (0.98 if whole else place.width) * drawing.get_figwidth()
     wide = 0.0094 * max(len(line) for line in text.split("\n"))  # inch for each point of the size of letters
-    axis.set_title(text, pad=pad, fontsize=max(5.0, min(11.0, room / max(wide, 1e-9))))
+    found = axis.set_title(text, pad=pad, fontsize=max(5.0, min(11.0, room / max(wide, 1e-9))))
+    if whole:
+        found.set_x((0.01 - place.x0) / place.width)
 
 
 def png(drawing: Figure, dpi: int = 110) -> bytes:

@@ -43,7 +43,7 @@ def strips(heading: str, axis: str, unit: str, groups: Sequence[Strip], bounds: 
         plot.set_ylim(len(groups) - 0.4, -0.6)
         plot.grid(axis="y", color=GREY, alpha=0.2)
         plot.set_xlabel(with_unit(axis + ",", unit) if unit not in ("", "1") else axis)
-        title(drawing, plot, heading)
+        title(drawing, plot, heading, whole=True)
         return Drawn(png(drawing), heading, caption)
 
 

@@ -58,8 +58,29 @@ def test_along_an_axis_each_run_stands_at_its_value(drawing):
     (found,) = sweeps(tale())
     assert found.title == "R along bias (m): not as asked from 3 to 3, as asked from 1 to 2"
     (axis,) = drawing[0].axes
-    assert sorted(marks(axis, "o")) == [(1, 10), (1, 14), (2, 20), (2, 24), (3, 30), (3, 34)]
-    assert sorted(marks(axis, "x")) == [(3.0, 30.0), (3.0, 34.0)]
+    assert sorted(marks(axis, "o")) == [(0.875, 10), (1.125, 14), (1.875, 20), (2.125, 24)]
+    assert sorted(marks(axis, "x")) == [(2.875, 30.0), (3.125, 34.0)]
+    colours = {line.get_color() for line in axis.lines if line.get_marker() == "x" and len(line.get_xdata())}
+    assert len(colours) == 2
+
+
+def test_groups_stand_side_by_side_and_nearer_to_their_value_than_to_another():
+    places = np.array([1.0, 10.0, 1000.0])
+    for logarithmic, to in ((False, np.asarray), (True, np.log)):
+        for share in (-0.5, 0.0, 0.5):
+            moved = to(along.beside(places, places, share, logarithmic)) - to(places)
+            assert moved == pytest.approx(share * 0.5 * np.diff(to(places)).min())
+    assert list(along.beside(places[:1], places[:1], 0.5, False)) == [1.0]
+
+
+def test_strips_of_cases_that_axes_made_are_named_by_their_values(drawing):
+    """Long names lose their middle, and with it what tells them apart."""
+    story = tale()
+    for case in story["cases"]:
+        case["name"] = f"bias (onset of the bias=10 min, height={case['values'][0]:g} m)"
+    list(spread(story))
+    labels = [text.get_text() for text in drawing[0].axes[0].get_yticklabels()]
+    assert labels[:2] == ["other, bias (10 min, 3 m)", "main, bias (10 min, 3 m)"]
 
 
 def test_what_does_not_vary_or_is_no_number_has_no_picture(drawing):
@@ -83,7 +104,7 @@ def test_runs_whose_worst_value_is_no_number_are_counted_though_they_have_no_mar
     assert len(marks(drawing[0].axes[0], "o")) == 2
     (found,) = sweeps(story)
     assert found.title == "R along bias (m): not as asked from 1 to 3, as asked from 1 to 2"
-    assert found.caption.startswith("6 runs; ") and "2 of the 6 runs have no mark" in found.caption
+    assert found.caption.startswith("6 runs, ") and "2 of the 6 runs have no mark" in found.caption
     for run in story["runs"]:
         run["findings"][0]["worst"] = None
     assert list(spread(story)) == [] and list(sweeps(story)) == []

@@ -12,7 +12,7 @@ class Grid {
     const widths = columns.map((column) => {
       let most = column.title.length + 2;
       for (const row of rows) most = Math.max(most, column.text(row).length);
-      return `${Math.min(most, 44) + 2}ch`;
+      return `${Math.min(most, 60) + 2}ch`;
     });
     this.widths = widths.join(" ");
     this.head = made("div", { role: "row", class: "row head" });

@@ -21,11 +21,6 @@ function matrix(place) {
   const columns = [
     { title: "variant", text: (row) => row.variant },
     { title: "case", text: (row) => story.cases[row.case].name },
-    ...story.axes.map((axis, i) => ({
-      title: axis,
-      text: (row) => valueText(story.cases[row.case].values[i]),
-      sort: (row) => story.cases[row.case].values[i],
-    })),
     { title: "FMEA", text: (row) => [...new Set(story.cases[row.case].faults.map((f) => f.fmea).filter(Boolean))].join(", ") },
     ...story.requirements.map((requirement, r) => ({
       title: requirement.id,
@@ -33,6 +28,11 @@ function matrix(place) {
       sort: (row) => (row.cells[r] ? (row.cells[r].passed ? 1 : 0) + row.cells[r].held / Math.max(row.cells[r].total, 1) : null),
       style: (row) => (row.cells[r] ? (row.cells[r].passed ? "good" : "bad") : "none"),
       href: (row) => (row.cells[r] ? `#cell/${places.get(row)}/${r}` : null),
+    })),
+    ...story.axes.map((axis, i) => ({
+      title: axis,
+      text: (row) => valueText(story.cases[row.case].values[i]),
+      sort: (row) => story.cases[row.case].values[i],
     })),
   ];
   const grid = new Grid(place, "verdicts by variant and case", columns, rows);
@@ -56,7 +56,6 @@ function runs(place) {
     { title: "run", text: (run) => String(numbers.get(run) + 1), sort: (run) => numbers.get(run), href: (run) => `#run/${numbers.get(run)}` },
     { title: "variant", text: (run) => run.variant },
     { title: "case", text: (run) => run.case, href: (run) => `#run/${numbers.get(run)}` },
-    ...story.axes.map((axis, i) => ({ title: axis, text: (run) => valueText(run.values[i]), sort: (run) => run.values[i] })),
     { title: "seed", text: (run) => String(run.seed), sort: (run) => run.seed },
     ...story.requirements.map((requirement, r) => ({
       title: requirement.id,
@@ -65,6 +64,7 @@ function runs(place) {
       style: (run) => (run.findings[r] ? (run.findings[r].held ? "good" : "bad") : run.error ? "bad" : "none"),
       href: (run) => `#run/${numbers.get(run)}`,
     })),
+    ...story.axes.map((axis, i) => ({ title: axis, text: (run) => valueText(run.values[i]), sort: (run) => run.values[i] })),
     { title: "worst first", text: (run) => String(rank.get(numbers.get(run)) + 1), sort: (run) => rank.get(numbers.get(run)) },
   ];
   const grid = new Grid(place, "all runs", columns, rows);
