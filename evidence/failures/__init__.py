@@ -1,0 +1,1 @@
+"""What the analysis of failures is made of: its lines, what was injected for them, what was seen, a picture."""
