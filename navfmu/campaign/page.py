@@ -54,7 +54,7 @@ def page(
     _worst(result, story)
     _pictures(result, story, pictures)
     _runs(result, story)
-    _drawn(result, "Worst values of all runs", spread(story))
+    _drawn(result, "Worst values of all runs", spread(story), tall=True)
     _drawn(result, "Along what was varied", sweeps(story))
     _statistics(result, numbers)
     _failures(result, story)
@@ -345,11 +345,11 @@ def _runs(result: Page, story: Story) -> None:
 # ---- over all runs --------------------------------------------------------------------------------------------------
 
 
-def _drawn(result: Page, heading: str, pictures: Iterable[Drawn]) -> None:
+def _drawn(result: Page, heading: str, pictures: Iterable[Drawn], tall: bool = False) -> None:
     for number, drawn in enumerate(pictures):
         if number == 0:
             result.heading(heading)
-        result.picture(drawn.png, drawn.title, drawn.caption)
+        result.picture(drawn.png, drawn.title, drawn.caption, tall)
 
 
 def _statistics(result: Page, found: Sequence[Found]) -> None:

@@ -97,9 +97,13 @@ class Page:
         head = [(text, _names("n" if numbers else None)) for text, numbers in zip(headings, right, strict=True)]
         self._add("table", head=head, rows=body, paper=paper, style="many" if len(headings) >= _MANY else "")
 
-    def picture(self, png: bytes, title: str, caption: str = "") -> None:
-        """An embedded picture; the title says what to see and is its text for those who cannot."""
-        self._add("picture", data=base64.b64encode(png).decode(), title=title, caption=caption)
+    def picture(self, png: bytes, title: str, caption: str = "", tall: bool = False) -> None:
+        """An embedded picture; the title says what to see and is its text for those who cannot.
+
+        A ``tall`` one, with a row for each thing, gets most of a page on paper.
+        """
+        style = "tall" if tall else ""
+        self._add("picture", data=base64.b64encode(png).decode(), title=title, caption=caption, style=style)
 
     def folded(self, summary: str, inner: Page, style: str = "") -> None:
         """A part that opens on demand."""

@@ -205,8 +205,17 @@ def test_a_dozen_requirements_are_printed_without_making_the_page_smaller(outcom
         browser.call("Emulation.setEmulatedMedia", media="print")
         browser.call("Emulation.setDeviceMetricsOverride", width=703, height=1000, deviceScaleFactor=1, mobile=False)
         assert browser.value("document.documentElement.scrollWidth") <= 703
+        strips = "[...document.querySelectorAll('figure img.tall')].map(i => i.getBoundingClientRect().width / 990)"
+        assert browser.value(strips) and min(browser.value(strips)) > 0.6  # of the size of their letters
         ends = "Math.max(...[...document.querySelectorAll('td')].map(c => c.getBoundingClientRect().right))"
         assert browser.value(ends) <= 703
+
+
+@pytest.mark.parametrize("width", [400, 700, 1000])
+def test_a_narrow_window_shows_the_whole_width(browser, width):
+    """Wide tables move in a frame of their own; the page itself does not."""
+    browser.call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=False)
+    assert browser.value("document.documentElement.scrollWidth") <= width
 
 
 def test_without_scripts_the_tables_are_there(outcome, tmp_path):
