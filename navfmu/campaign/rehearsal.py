@@ -90,7 +90,8 @@ class Rehearsal:
 
     def of_fault(self, sentence: str, faults: Sequence[Fault], number: int) -> Place:
         """The entry that names the files of the faults of a case."""
-        if not any(fault.where and fault.where in sentence for fault in faults):
+        places = [place for fault in faults for place in (fault.where, *fault.lines.values()) if place]
+        if not any(place in sentence for place in places):
             return ()
         entry = self.content.case[number]
         return "case", number, next(k for k in ("faults", "each", "pairs") if getattr(entry, k) is not None)

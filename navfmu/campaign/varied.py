@@ -62,7 +62,7 @@ class FaultEntry:
                 has = f"has {len(there)} elements" if isinstance(there, list) else "is no list"
                 raise NavfmuError(f"fault '{self.fault}': '{self.entry}' {has}: there is no element {self.element}")
             value = [*there[: self.element - 1], value, *there[self.element :]]
-        return replace(Fault.of(entries | {self.entry: value}), where=fault.where)
+        return replace(Fault.of(entries | {self.entry: value}), where=fault.where, lines=fault.lines)
 
     def is_quoted(self, sentence: str) -> bool:
         return f"fault '{self.fault}'" in sentence

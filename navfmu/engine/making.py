@@ -184,7 +184,8 @@ def _numbers(fault: Fault, found: Sequence[Element], parameter: str) -> list[flo
 
 
 def _number(element: Element, number_of: Callable[..., float], parameter: str, value: Any) -> float:
-    what = f"'{parameter}' = {value} for '{'.'.join(element.key)}'"
+    given = str(value).lower() if isinstance(value, bool) else value
+    what = f"'{parameter}' = {given} for '{'.'.join(element.key)}'"
     number = float(number_of(element.component.description, element.variable, value, what, parameter))
     if not math.isfinite(number):
         raise NavfmuError(f"{what}: expected a finite number")

@@ -41,6 +41,7 @@ class Fault:
     description: str = ""
     where: str = ""  # "faults.toml, line 12", for messages
     file: str = ""  # as the command line takes it, where the fault is from one
+    lines: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # by entry, as ``where``
 
     def __init__(
         self,
@@ -54,13 +55,15 @@ class Fault:
         description: str = "",
         where: str = "",
         file: str = "",
+        lines: Mapping[str, str] | None = None,
         **given: Any,
     ) -> None:
         def keep(**values: Any) -> None:
             for name, value in values.items():
                 object.__setattr__(self, name, value)
 
-        keep(id=id, target=target, type=type, fmea=fmea, description=description, where=where, file=file)
+        keep(id=id, target=target, type=type, fmea=fmea, description=description)
+        keep(where=where, file=file, lines=lines or {})
         for name in given:
             if name in (parameters or {}):
                 raise self.error(f"'{name}' is given twice", name)
@@ -164,7 +167,8 @@ class Fault:
 
     def error(self, sentence: str, key: str = "") -> FaultError:
         """The sentence with the fault's id and place in its file."""
-        return FaultError(self.id if isinstance(self.id, str) else "", self.where, sentence, key)
+        where = self.lines.get(key, self.where)
+        return FaultError(self.id if isinstance(self.id, str) else "", where, sentence, key)
 
 
 class FaultError(NavfmuError):

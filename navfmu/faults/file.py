@@ -21,7 +21,7 @@ def parse_fault(text: str, name: str = "fault") -> Fault:
     found = parse_faults(f"fault = [{{ {text} }}]", f"{name} '{text}'")
     if len(found) != 1:
         raise NavfmuError(f"{name} '{text}': expected the entries of one fault")
-    return dataclasses.replace(found[0], where=name)
+    return dataclasses.replace(found[0], where=name, lines={})
 
 
 def parse_faults(text: str, name: str = "faults") -> list[Fault]:
@@ -55,5 +55,6 @@ def faults_of(document: Document) -> list[Fault]:
             raise FaultError(error.fault, where, error.sentence, error.key) from None
         if any(fault.id == other.id for other in faults):
             raise document.error(f"the id '{fault.id}' is already taken", "fault", index, "id")
-        faults.append(dataclasses.replace(fault, where=document.where("fault", index)))
+        lines = {key: document.where("fault", index, key) for key in document.content["fault"][index]}
+        faults.append(dataclasses.replace(fault, where=document.where("fault", index), lines=lines))
     return faults

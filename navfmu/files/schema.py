@@ -26,6 +26,7 @@ This module imports pydantic (0.1 s): import it, and modules of such classes, wh
 from __future__ import annotations
 
 import re
+from datetime import date, time
 from typing import Annotated, Any, ClassVar, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, WithJsonSchema
@@ -37,6 +38,7 @@ __all__ = ["Field", "Number", "Table", "Texts", "json_schema", "validated"]
 
 Number = Annotated[int | float, WithJsonSchema({"type": "number"})]  # stays an int where one is written
 Texts = list[str]
+FEW = 6  # entries that a table may have, which a sentence tells
 
 
 class Table(BaseModel):
@@ -93,16 +95,18 @@ def _sentence(document: Document, model: type[Table], place: Place, problems: li
     label = f"{noun} '{name}': " if name else ""
     if kinds == {"extra_forbidden"}:
         known = [field.alias or name for name, field in table.model_fields.items()]
-        return document.error(f"{label}unknown entry '{key}'{nearest(key, known)}", *place)
+        hint = nearest(key, known) or (f"; expected {' or '.join(known)}" if len(known) <= FEW else "")
+        return document.error(f"{label}unknown entry '{key}'{hint}", *place)
     said = next((problem["ctx"]["error"] for problem in problems if problem["type"] == "value_error"), None)
     if said is not None:  # from a validator of the class: its sentence; that of an entry goes on after the name
         subject = "" if place == where else f"'{key}' "
         return document.error(f"{label}{subject}{said}", *place)
     if value == [] and "too_short" in kinds:
         return document.error(f"{label}'{key}' is an empty list, expected at least one; or leave '{key}' out", *place)
-    if isinstance(value, dict) and _of_tables(_field(table, key)):
+    if not isinstance(value, list) and key == place[-1] and _of_tables(_field(table, key)):
         return document.error(f"{label}'{key}' is written as tables: [[{key}]]", *place)
-    expected = " or ".join(dict.fromkeys(_expected(problem) for problem in problems))
+    wanted = dict.fromkeys(_expected(problem) for problem in problems)
+    expected = " or ".join(words for words in wanted if words != WHOLE or NUMBER not in wanted)
     verb = "holds" if isinstance(place[-1], int) else "is"
     return document.error(f"{label}'{key}' {verb} {_shown(value)}, expected {expected}", *place)
 
@@ -155,10 +159,11 @@ def _of_tables(field: Any) -> bool:
     return any(get_origin(kind) is list and _inner(kind) is not None for kind in kinds)
 
 
+WHOLE, NUMBER = "a whole number", "a number"
 _WORDS = {
     "string_type": "a text",
-    "int_type": "a number",
-    "float_type": "a number",
+    "int_type": WHOLE,
+    "float_type": NUMBER,
     "bool_type": "true or false",
     "list_type": "a list",
     "dict_type": "a table",
@@ -184,6 +189,7 @@ def _expected(problem: dict[str, Any]) -> str:
 def _shown(value: Any) -> str:
     """A value as a file has it, shortened."""
     text = str(value).lower() if isinstance(value, bool) else repr(value)
+    text = value.isoformat() if isinstance(value, date | time) else text
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -85,7 +85,7 @@ def test_the_file_is_in_order_before_it_is_changed(tmp_path):
         (('"latin_hypercube"\ncount = 4', '"sobol"\ncount = 6'), "line 7: 'count' is 6, expected a power of 2"),
         (("count = 4\n", ""), "line 6: latin_hypercube needs 'count', the number of points"),
         (("count = 4", "count = 0"), "line 7: 'count' is 0, expected at least 1"),
-        (("count = 4", "count = 2.5"), "line 7: 'count' is 2.5, expected a number"),
+        (("count = 4", "count = 2.5"), "line 7: 'count' is 2.5, expected a whole number"),
         (('"latin_hypercube"\ncount = 4\nseed = 3', '"list"'),
          "line 20: list needs 'count', the number of values from"),
         (('"latin_hypercube"\ncount = 4\nseed = 3', '"factorial"\nseed = 3'),

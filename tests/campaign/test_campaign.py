@@ -392,7 +392,7 @@ def test_a_missing_campaign_file_is_a_sentence(tmp_path):
 def test_a_fault_that_does_not_fit_the_system_is_found_before_anything_runs(tmp_path):
     (tmp_path / "f.toml").write_text('[[fault]]\nid = "F"\ntarget = "lag.u"\ntype = "input"\nvalue = 1.0\n')
     file = write(tmp_path, CAMPAIGN.replace('faults = "stuck"', 'faults = "f.toml"').format(system=systems.tracker()))
-    with pytest.raises(NavfmuError, match=r"variant 'main', case 'stuck': .*f\.toml, line 1.* is a connected input"):
+    with pytest.raises(NavfmuError, match=r"variant 'main', case 'stuck': .*f\.toml, line 3.* is a connected input"):
         run_campaign(load_campaign(file), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

@@ -25,7 +25,7 @@ def plan(target, kind, start=0.0, duration="inf", **parameters):
 @pytest.mark.parametrize(
     ("target", "kind", "parameters", "sentence"),
     [
-        ("aa.y", "bias", {"value": 1}, r"f\.toml, line 1: fault 'x': .*no component 'aa'; did you mean 'a'\?"),
+        ("aa.y", "bias", {"value": 1}, r"f\.toml, line 3: fault 'x': .*no component 'aa'; did you mean 'a'\?"),
         ("a.yy", "bias", {"value": 1}, r"component 'a' has no variable 'yy'; did you mean 'y'\?"),
         ("a.echo", "bias", {"value": 1}, rf"'bias' acts on {REAL}, but 'a\.echo' is an Integer output {WHOLE}"),
         ("a.flag_echo", "drift", {"rate": 1}, rf"acts on {REAL}, but 'a\.flag_echo' is a Boolean output {WHOLE}"),
@@ -57,7 +57,7 @@ def plan(target, kind, start=0.0, duration="inf", **parameters):
         ("a.number", "input", {"value": 2**31}, "'value' = 2147483648 for 'a.number': expected an integer"),
         ("a.y", "bias", {"value": "[1, 2]"}, "'value': 2 values given, expected 1"),
         ("a.y", "bias", {"value": "nan"}, "'value' = nan for 'a.y': expected a finite number"),
-        ("a.y", "bias", {"value": "true"}, "'value' = True for 'a.y': expected a number"),
+        ("a.y", "bias", {"value": "true"}, "'value' = true for 'a.y': expected a number"),
         ("a.y", "noise", {"sigma": -1, "period": 1}, "'sigma' = -1 for 'a.y': expected a number that is not negative"),
         ("a.y", "drift", {"rate": '"1 m"'}, "'rate' = 1 m for 'a.y': expected a number"),
         ("a.y", "scale", {"factor": "inf"}, "'factor' = inf for 'a.y': expected a finite number"),
