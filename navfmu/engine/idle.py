@@ -137,7 +137,7 @@ def _waits(effect: Effect) -> bool:
 def _traces(effect: Effect, later: Sequence[Effect], lists: Sequence[Windows]) -> list[tuple[int, int]]:
     """From where to where there may be something of an effect: in its windows, and as long as others remember it."""
     windows = lists[effect.trigger]
-    remembered = [lists[other.trigger][-1].end for other in later if other.kind in MEMORIES]
+    remembered = [window.end for other in later if other.kind in MEMORIES for window in lists[other.trigger][-1:]]
     lasts = max([windows[-1].end, *(other for other in remembered if other > windows[0].first)])
     spans = [(window.first, window.end) for window in windows]
     return [(windows[0].first, lasts)] if lasts > windows[-1].end else spans

@@ -202,6 +202,14 @@ def test_a_fault_at_random_that_does_not_occur_is_told_and_no_finding():
     assert run(bias(mttf=1e9, duration=5.0)).idle == {}
 
 
+@pytest.mark.parametrize("kind", [{"type": "stuck"}, {"type": "delay", "delay": 0.3}, {"type": "slow", "period": 0.3}])
+def test_what_would_remember_a_fault_but_does_not_occur_remembers_nothing(kind):
+    """Wrong: what remembers is asked for its last time, and has none."""
+    rare = Fault("y", "source.y", duration=5.0, mttf=1e9, **kind)
+    made = make_plan([probe("source")], [], step=H, stop=10.0, faults=[bias(start=1.0), rare], record_period=1.0)
+    assert not made.idle and not run_both(made).idle
+
+
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
