@@ -175,9 +175,10 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     found = [(j, j.findings[requirement.id]) for j in group if requirement.id in j.findings]
     held = sum(finding.held != requirement.expect_violated for j, finding in found if not j.answer.idle)
     question = requirement.question
-    total = len(group)
+    counted = group
     if question.of_faults:  # a run that has ended in time, or without its fault, says nothing
-        total = sum(j.error is not None or requirement.id in j.findings for j in group)
+        counted = [j for j in group if j.error is not None or requirement.id in j.findings]
+    total = len(counted)
     passed = total > 0 and enough(100.0 * held / total, requirement.runs)
     worst = max(found, key=lambda pair: question.badness(requirement, pair[1]), default=(None, None))
     what = "violated, as expected, in" if requirement.expect_violated else "held in"
@@ -190,7 +191,7 @@ def _cell(requirement: Requirement, variant: str, case: Case, group: list[Judged
     silent = "it could not be asked" if question.of_faults else "it was never asked, which counts as not held"
     sentence += f"; in {never} {silent}" if never else ""
     sentence += _ends(group, sum(finding.missing > 0 for _, finding in found))
-    return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(group))
+    return Cell(requirement, variant, case.name, passed, held, total, sentence, worst[0], _distinct(counted))
 
 
 def _ends(group: list[Judged], early: int) -> str:

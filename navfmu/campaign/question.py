@@ -150,17 +150,18 @@ class Detects(Question):
         return Monitor(r.id, r.signal, counts_from="onset", fault=r.fault)
 
     def judge(self, r: Requirement, seen: Observed) -> Finding | None:
-        return self._judged(r, seen, seen.soonest)
-
-    def _judged(self, r: Requirement, seen: Observed, took: float) -> Finding | None:
-        """From how long it took (s; NaN: for ever)."""
         if not seen.points:
             return None
-        held = took <= r.most * (1.0 + 1e-9)
-        if not held and seen.left < r.most * (1.0 - 1e-9):
+        in_time = seen.soonest <= r.most * (1.0 + 1e-9)
+        if not in_time and too_short(r, seen):
             return None
-        violated = math.nan if held else seen.origin + r.most
-        return self._finding(seen, held, 100.0 if held else 0.0, took, seen.origin + took, violated)
+        cut = seen.missing and math.isnan(seen.soonest) and seen.last_outside - seen.origin < r.most
+        return self._judged(r, seen, r.expect_violated if cut else in_time, seen.origin, seen.soonest)
+
+    def _judged(self, r: Requirement, seen: Observed, held: bool, origin: float, took: float) -> Finding:
+        """From how long it took after an origin (s; NaN: for ever)."""
+        violated = math.nan if held else origin + r.most
+        return self._finding(seen, held, 100.0 if held else 0.0, took, origin + took, violated)
 
     def sentence(self, r: Requirement) -> str:
         return f"{self._of(r)} {self.after} within {r.most:g} s: {r.signal}"
@@ -172,7 +173,9 @@ class Detects(Question):
         return f"how long until {r.signal}", "", f"time until {self.after}"
 
     def value(self, r: Requirement, f: Finding) -> str:
-        return f"never {self.after}" if math.isnan(f.worst) else f"after {told(r, f.worst)}"
+        if math.isnan(f.worst):
+            return f"not {self.after} before the early end" if f.missing else f"never {self.after}"
+        return f"after {told(r, f.worst)}"
 
     def at_worst(self, r: Requirement, f: Finding) -> str:
         return self.value(r, f)
@@ -188,7 +191,11 @@ class Detects(Question):
 
 
 class Recovers(Detects):
-    """How long it takes after the end of a fault until an expression is true, and stays so as long as none acts."""
+    """How long it takes after the end of a fault until an expression is true, and stays so as long as none acts.
+
+    Of a fault that comes several times the end counts after which it takes longest. One after which the fault comes
+    again, or the run has its planned end, before the time is over and while the expression is false, says nothing.
+    """
 
     after = "recovered"
 
@@ -196,14 +203,30 @@ class Recovers(Detects):
         return Monitor(r.id, r.signal, counts_from="over", fault=r.fault)
 
     def judge(self, r: Requirement, seen: Observed) -> Finding | None:
-        for_ever = seen.missing or seen.last_outside >= seen.origin + seen.left - 1e-9
-        return self._judged(r, seen, math.nan if for_ever else seen.latest)
+        if not seen.points:
+            return None
+        false_at_last = seen.last_outside >= seen.origin + seen.left - 1e-9
+        cut_short = false_at_last and seen.latest_from == seen.origin and too_short(r, seen)
+        if seen.latest > r.most * (1.0 + 1e-9) and not cut_short:
+            took = seen.latest if seen.settled == seen.latest else math.nan
+            return self._judged(r, seen, False, seen.latest_from, took)
+        if false_at_last or seen.missing:
+            return None if too_short(r, seen) else self._judged(r, seen, r.expect_violated, seen.origin, math.nan)
+        return None if math.isnan(seen.settled) else self._judged(r, seen, True, seen.origin, seen.settled)
+
+    def first(self, f: Finding) -> str:
+        return "" if f.first_violation is None else f"violated at t = {f.first_violation:.9g} s"
 
     def sentence(self, r: Requirement) -> str:
         return f"{r.signal} within {r.most:g} s of the end of {self._of(r)}, and from then on"
 
 
 QUESTIONS = {"signal": Question(), "events": Events(), "detects": Detects(), "recovers": Recovers()}
+
+
+def too_short(r: Requirement, seen: Observed) -> bool:
+    """Whether a run has its planned end before the time is over that it may take."""
+    return seen.left < r.most * (1.0 - 1e-9)
 
 
 def _joined(*words: str) -> str:

@@ -23,6 +23,7 @@ from navfmu.fmi.description import Description
 
 ORIGINS = ("start", "onset", "over")  # from where it counts: of the run, or of a fault its beginning or its end
 START, ONSET, OVER = range(len(ORIGINS))
+NONE = ("first_outside", "last_outside", "first_inside", "last_inside", "worst_at", "latest_from", "back", "settled")
 NEVER = -2  # place of a fault that the run does not have
 # One monitor, laid out as struct Monitor in source/master.h.
 MONITOR = np.dtype(
@@ -51,6 +52,9 @@ MONITOR = np.dtype(
         ("last_inside", np.int64),
         ("worst_at", np.int64),
         ("latest", np.int64),  # points from an origin to behind the last one outside, at most
+        ("latest_from", np.int64),  # which origin that was
+        ("back", np.int64),  # the same of the present origin, -1 at a point outside
+        ("settled", np.int64),  # at most, of those at whose last point it is inside, -1: there is none
         ("worst", np.float64),  # the value furthest outside, or nearest to it
         ("excess", np.float64),
         ("squares", np.float64),  # sum over the finite values
@@ -136,7 +140,9 @@ class Observed:
     greatest: float  # size of the value
     origin: float = 0.0  # from where it counted
     soonest: float = math.nan  # s, from there to the first point inside
-    latest: float = 0.0  # s, from there to behind the last point outside, at most
+    latest: float = 0.0  # s, from there, or where it counted from before, to behind the last point outside, at most
+    latest_from: float = math.nan  # which of them that was
+    settled: float = math.nan  # s, the same, of those after which it was inside until the fault came again, or the end
     left: float = math.inf  # s, from there to the end of a run that is not cut short
 
     def describe(self) -> dict[str, Any]:
@@ -159,6 +165,7 @@ class Observed:
             return clock.time(int(row[name])) if row[name] >= 0 else math.nan
 
         finite = int(row["points"] - row["not_finite"])
+        settled = max(int(row["settled"]), int(row["back"]))
         return cls(
             points=int(row["points"]),
             missing=max(0, end - max(begin, k + 1) + 1) if origin >= 0 else 0,
@@ -177,6 +184,8 @@ class Observed:
             origin=when("origin"),
             soonest=clock.time(int(row["first_inside"]) - origin) if row["first_inside"] >= 0 else math.nan,
             latest=clock.time(int(row["latest"])),
+            latest_from=when("latest_from"),
+            settled=clock.time(settled) if settled >= 0 else math.nan,
             left=clock.time(clock.steps - origin) if origin >= 0 else math.nan,
         )
 
@@ -198,7 +207,7 @@ def table(
         row["begin"], row["origin"] = clock.index(monitor.begin), 0 if monitor.counts_from == "start" else -1
         row["end"] = clock.last(monitor.end) if math.isfinite(monitor.end) else FOREVER
         row["tolerated"] = clock.last(monitor.tolerance)
-        for name in ("first_outside", "last_outside", "first_inside", "last_inside", "worst_at"):
+        for name in NONE:
             row[name] = -1
         row["worst"], row["excess"] = math.nan, -math.inf
     return rows
@@ -230,7 +239,7 @@ class Observer:
         """Look at communication point ``k``, at the time ``t`` (s); ``active`` are faults, and "" any of them."""
         row, origin = self.row, self._origin(triggers)
         if origin < 0:
-            row["row"] = 0
+            row["row"], row["back"], row["settled"] = 0, -1, max(row["settled"], row["back"])
         if origin < 0 or not row["begin"] <= k - origin <= row["end"]:
             return
         row["origin"] = origin
@@ -250,6 +259,7 @@ class Observer:
             row["excess"], row["worst"], row["worst_at"] = excess, value, k
         if least <= value <= most:
             row["row"], row["last_inside"] = 0, k
+            row["back"] = max(0, row["last_outside"] - row["origin"] + 1)
             row["first_inside"] = k if row["first_inside"] < 0 else row["first_inside"]
         else:
             self._outside(k)
@@ -268,8 +278,9 @@ class Observer:
     def _outside(self, k: int) -> None:
         """A point outside of the bounds: it counts once more of them follow one another than are put up with."""
         row = self.row
-        row["row"] += 1
-        row["latest"] = max(row["latest"], k - row["origin"] + 1)
+        row["row"], row["back"] = row["row"] + 1, -1
+        if k - row["origin"] >= row["latest"]:
+            row["latest"], row["latest_from"] = k - row["origin"] + 1, row["origin"]
         row["longest"] = max(row["longest"], row["row"])
         if row["row"] <= row["tolerated"]:
             return

@@ -102,6 +102,20 @@ def test_what_is_missing_speaks_against_the_requirement_either_way():
     assert not broken.held and broken.first_violation == 1.0
 
 
+@pytest.mark.parametrize("kind", ["detects", "recovers"])
+@pytest.mark.parametrize("expect", ["held", "violated"])
+def test_what_is_missing_after_a_fault_speaks_against_the_requirement_either_way(tmp_path, kind, expect):
+    """The run ends at 5 s, 2 or 3 s after what it counts from. Wrong: that nobody noticed by then, although there was
+    more time for it, is the violation that is expected."""
+    fault = '[[fault]]\nid = "x"\ntarget = "stepper.x"\ntype = "bias"\nvalue = 1.0\nstart = 2.0\nduration = 1.0\n'
+    entry = f'\n[[requirement]]\nid = "R-{{0}}"\n{kind} = "time > 8"\nwithin = {{0}}\nexpect = "{expect}"\n'
+    outcome = flown(tmp_path, entry.format(4.0), entry.format(1.0), seeds="1", ends_at=5.0, faults=fault)
+    open_, broken = outcome.cells
+    assert not open_.passed and broken.passed is (expect == "violated")
+    after = "noticed" if kind == "detects" else "recovered"
+    assert f"not {after} before the early end" in open_.sentence and "nan" not in open_.sentence
+
+
 def test_a_run_without_a_number_is_outside_of_a_quantile_and_the_others_are_not():
     values = np.array([[0.0], [0.0], [np.nan]])
     for bound in ({"most": 1.0}, {"least": -1.0}):

@@ -11,6 +11,7 @@ import pandas
 import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
+from navfmu.campaign.requirement import wilson
 from navfmu.errors import NavfmuError
 from tests.components import systems
 
@@ -87,7 +88,7 @@ def test_it_is_recovered_from_in_time_or_not(tmp_path):
     assert found[0].worst == found[1].worst == k / 10 and found[3].worst == 0.0
     assert math.isnan(found[2].worst) and math.isnan(found[4].worst)
     told = {name: cell.sentence for name, cell in cells(outcome).items()}
-    assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, never recovered, first violated at t = 7 s"
+    assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, never recovered, violated at t = 7 s"
     sentence = cells(outcome)["R-2"].requirement.sentence
     assert sentence == "m1.y <= 0.5 m within 2 s of the end of every fault, and from then on"
 
@@ -119,6 +120,49 @@ def test_runs_in_which_a_fault_does_not_come_are_not_counted(tmp_path):
         cell.sentence.startswith(f"held in {came} of {came} runs; ")
         and f"in {12 - came} it could not be asked" in cell.sentence
     )
+
+
+def test_what_only_some_runs_could_be_asked_is_as_sure_as_those_are_many(tmp_path):
+    """Wrong: 3 of 3 with the confidence of 12 of 12, as the seeds are so many."""
+    outcome = flown(tmp_path, {"x": 'mttf = "20 s"'}, 'detects = "m0.y > 1.5 m"\nwithin = 0.0', seeds="1-12", stop=10.0)
+    cell = cells(outcome)["R-0"]
+    assert cell.distinct == cell.total < 12 and cell.interval == wilson(cell.held, cell.total)
+
+
+def several(folder, *entries, stop=20.0):
+    """Over at 2 and at 15 s."""
+    return flown(folder, {"a": "start = 1.0\nduration = 1.0", "b": "start = 14.0\nduration = 1.0"}, *entries, stop=stop)
+
+
+def test_of_several_ends_each_counts(tmp_path):
+    """Wrong: the violation after the first end is forgotten as the run ends soon after the second one, or told as if
+    it had come after that; an end after which the fault came again in time is one from which it was recovered."""
+    outcome = several(
+        tmp_path,
+        'recovers = "time >= 7 s"\nwithin = 4.0',
+        'recovers = "5 s <= time < 14 s"\nwithin = 6.0',  # not again in the 5 s before the end of the run
+        'recovers = "5 s <= time < 14 s"\nwithin = 2.0',
+        'recovers = "time >= 18.05 s"\nwithin = 12.0',  # the fault comes again before that
+        'recovers = "time >= 18.05 s"\nwithin = 11.0',
+        'recovers = "time < 14 s or time >= 18.05 s"\nwithin = 3.0',
+        'recovers = "time >= 18.05 s and not time >= 19 s"\nwithin = 12.5',
+    )
+    found = [finding(outcome, f"R-{number}") for number in range(7)]
+    assert [f and f.held for f in found] == [False, None, False, True, False, False, None]
+    assert [f and f.first_violation for f in found] == pytest.approx([6.0, None, 17.0, None, 13.0, 18.0, None])
+    assert [f.worst for f in (found[0], found[3], found[5])] == pytest.approx([5.0, 3.1, 3.1])
+    assert math.isnan(found[2].worst) and math.isnan(found[4].worst)
+    assert found[0].worst_time == pytest.approx(7.0) and found[3].worst_time == pytest.approx(18.1)
+    sentence = cells(outcome)["R-0"].sentence
+    assert sentence == "held in 0 of 1 runs; worst: seed 1, after 5 s, violated at t = 6 s"
+
+
+def test_where_a_fault_always_comes_again_nothing_is_known(tmp_path):
+    """It pauses for 1 s at a time. Wrong: recovered from, after 1 s."""
+    loose = {"x": "start = 1.0\non = 1.0\noff = 1.0"}
+    outcome = flown(tmp_path, loose, 'recovers = "false"\nwithin = 2.0', 'recovers = "false"\nwithin = 0.5', stop=9.5)
+    assert finding(outcome, "R-0") is None and finding(outcome, "R-1").held is False
+    assert finding(outcome, "R-1").first_violation == pytest.approx(2.5)
 
 
 @pytest.mark.parametrize(

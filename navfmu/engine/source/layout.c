@@ -41,7 +41,8 @@ static const Field FIELDS[] = {
     FIELD(Monitor, origin), FIELD(Monitor, tolerated), FIELD(Monitor, points), FIELD(Monitor, not_finite), FIELD(Monitor, outside),
     FIELD(Monitor, episodes), FIELD(Monitor, row), FIELD(Monitor, longest), FIELD(Monitor, first_outside),
     FIELD(Monitor, last_outside), FIELD(Monitor, first_inside), FIELD(Monitor, last_inside), FIELD(Monitor,
-    worst_at), FIELD(Monitor, latest), FIELD(Monitor, worst), FIELD(Monitor, excess), FIELD(Monitor, squares), FIELD(Monitor, greatest),
+    worst_at), FIELD(Monitor, latest), FIELD(Monitor, latest_from), FIELD(Monitor, back), FIELD(Monitor, settled),
+    FIELD(Monitor, worst), FIELD(Monitor, excess), FIELD(Monitor, squares), FIELD(Monitor, greatest),
 
     WHOLE(Operation), FIELD(Operation, kind), FIELD(Operation, place), FIELD(Operation, number),
 

@@ -105,6 +105,9 @@ typedef struct {
     int64_t row, longest;         /* points outside in a row, now and at most */
     int64_t first_outside, last_outside, first_inside, last_inside, worst_at; /* -1: none */
     int64_t latest;               /* points from an origin to behind the last one outside, at most */
+    int64_t latest_from;          /* which origin that was */
+    int64_t back, settled;        /* the same of the present origin, -1 at a point outside; at most of those at whose last
+                                     point it is inside, -1: there is none */
     double worst, excess;         /* the value furthest outside, and how far that is */
     double squares, greatest;     /* sum over the finite values; size */
 } Monitor;

@@ -33,7 +33,11 @@ static inline int64_t origin(const Master *m, const Monitor *o) {
 /* A point outside of the bounds: it counts once more of them follow one another than are put up with. */
 static inline void stray(Monitor *o, int64_t k) {
     o->row++;
-    if (k - o->origin >= o->latest) o->latest = k - o->origin + 1;
+    o->back = -1;
+    if (k - o->origin >= o->latest) {
+        o->latest = k - o->origin + 1;
+        o->latest_from = o->origin;
+    }
     if (o->row > o->longest) o->longest = o->row;
     if (o->row <= o->tolerated) return;
     o->outside += o->row == o->tolerated + 1 ? o->row : 1;
@@ -43,9 +47,24 @@ static inline void stray(Monitor *o, int64_t k) {
     if (o->first_outside < 0) o->first_outside = k - o->tolerated;
 }
 
+/* A point inside; what it takes from its origin to there is as long as it took to the last point outside. */
+static inline void inside(Monitor *o, int64_t k) {
+    o->row = 0;
+    o->back = o->last_outside < o->origin ? 0 : o->last_outside - o->origin + 1;
+    o->last_inside = k;
+    if (o->first_inside < 0) o->first_inside = k;
+}
+
+/* Nothing is counted at this point: what was counted from the last origin is settled. */
+static inline void settle(Monitor *o) {
+    if (o->back > o->settled) o->settled = o->back;
+    o->back = -1;
+    o->row = 0;
+}
+
 static inline void observe(const Master *m, Monitor *o, int64_t k, double t) {
     int64_t from = origin(m, o);
-    if (from < 0) o->row = 0;
+    if (from < 0) settle(o);
     if (from < 0 || k - from < o->begin || k - from > o->end) return;
     o->origin = from;
     if (o->whens && program(m, o->first_when, o->whens, t) == 0.0) {
@@ -68,9 +87,7 @@ static inline void observe(const Master *m, Monitor *o, int64_t k, double t) {
         o->worst_at = k;
     }
     if (value >= o->least && value <= o->most) {
-        o->row = 0;
-        o->last_inside = k;
-        if (o->first_inside < 0) o->first_inside = k;
+        inside(o, k);
     } else {
         stray(o, k);
     }
