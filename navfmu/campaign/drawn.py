@@ -83,7 +83,7 @@ class Artist:
                 yield Event("notice", notice.label, float(time))
         for requirement in self._outcome.campaign.requirements:
             finding = judged.findings.get(requirement.id)
-            if finding is not None and finding.first_violation is not None:
+            if requirement.quantile is None and finding is not None and finding.first_violation is not None:
                 yield Event("violation", requirement.id, finding.first_violation)
 
     def _packed(self, judged: Judged, recorded: Recorded, events: tuple[Event, ...]) -> str:

@@ -13,7 +13,8 @@ NONE = "(none)"  # of faults that name no line
 def by_line(story: Story) -> list[dict[str, Any]]:
     """One row for each line that faults of the campaign name, in the order of their numbers.
 
-    ``held`` has (held, total) of the runs in which a fault of the line acts, or None where a requirement is not asked;
+    ``held`` has (held, total) of the runs in which a fault of the line acts, or None where a requirement is not asked
+    (of the variants and cases, where it is asked of a percentile of the runs);
     ``noticed`` counts the runs in which a sign that the system has noticed something begins when the line's first fault
     has begun, or later.
     """
@@ -33,9 +34,13 @@ def _summed(story: Story, row: dict[str, Any]) -> dict[str, Any]:
     groups = [story["groups"][number] for number in row["groups"]]
     runs = [story["runs"][number] for group in groups for number in group["runs"]]
     held = []
-    for number in range(len(story["requirements"])):
+    for number, requirement in enumerate(story["requirements"]):
         cells = [group["cells"][number] for group in groups if group["cells"][number] is not None]
-        held.append((sum(c["held"] for c in cells), sum(c["total"] for c in cells)) if cells else None)
+        if requirement["quantile"] is not None:
+            counts = sum(c["passed"] for c in cells), len(cells)
+        else:
+            counts = sum(c["held"] for c in cells), sum(c["total"] for c in cells)
+        held.append(counts if cells else None)
     noticed = sum(
         any(kind == "notice" and time >= row["starts"][run["case"]] for kind, _, time in run["events"]) for run in runs
     )

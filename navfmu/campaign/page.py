@@ -210,7 +210,8 @@ def _fmea(result: Page, story: Story) -> None:
         return
     result.heading(FMEA)
     result.text(
-        "The runs in which a fault of the line acts, alone or together with others of its case. "
+        "The runs in which a fault of the line acts, alone or together with others of its case; of what is asked of a "
+        "percentile, the cells of the matrix. "
         + (
             "Noticed: the system begins to say that something is wrong when the fault has begun, or later; what it can "
             f"say is: {', '.join(story['noticing'])}. It may say so for another reason."
@@ -224,7 +225,7 @@ def _fmea(result: Page, story: Story) -> None:
     rows, styles = [], []
     for line in lines:
         what = "; ".join(f"{name}: {words}" if words else name for name, words in line["faults"].items())
-        held = ["not asked" if pair is None else f"{pair[0]} of {pair[1]}" for pair in line["held"]]
+        held = [_counted(r, pair) for r, pair in zip(story["requirements"], line["held"], strict=True)]
         told = [f"{line['noticed']} of {line['runs']}"] if story["noticing"] else []
         idle = f"; changed nothing in {line['idle']} runs" if line["idle"] else ""
         rows.append(
@@ -236,6 +237,13 @@ def _fmea(result: Page, story: Story) -> None:
     result.table(headings, rows, lambda row, column: styles[row][column])
     if any(line["line"] == NONE for line in lines):
         result.text(f"{NONE}: these faults name no line ('fmea' in their file).")
+
+
+def _counted(requirement: Mapping[str, Any], pair: tuple[int, int] | None) -> str:
+    """In how many runs, or variants and cases, it holds."""
+    if pair is None:
+        return "not asked"
+    return f"{pair[0]} of {pair[1]}{'' if requirement['quantile'] is None else ' cells'}"
 
 
 def _gathered(cases: Sequence[str], written: Mapping[str, str]) -> list[str]:
@@ -334,7 +342,9 @@ def _runs(result: Page, story: Story) -> None:
         run = runs[number]
         findings = zip(story["requirements"], run["findings"], strict=True)
         told = ", ".join(
-            f"{r['id']} {'as asked' if f['held'] else 'NOT as asked'}" for r, f in findings if f is not None
+            f"{r['id']} {'as asked' if f['held'] else 'NOT as asked'}"
+            for r, f in findings
+            if f is not None and f["held"] is not None
         )
         rows.append([run["variant"], run["case"], str(run["seed"]), run["error"] or told, run["command"]])
     inner.table(["variant", "case", "seed", "findings", "command that repeats it"], rows)

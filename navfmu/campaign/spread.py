@@ -31,17 +31,17 @@ def spread(story: Story) -> Iterator[Drawn]:
             findings = _findings(story, group, number)
             if findings:
                 label = f"{group['variant']}, {_short(story['cases'][group['case']])}"
-                values, held = zip(*((_worst(f), f["held"]) for f in findings), strict=True)
+                values, held = zip(*((_worst(f), f["held"] is not False) for f in findings), strict=True)
                 found.append(Strip(label, values, held))
         every = [value for strip in found for value in strip.values]
         if not found or not _worth(requirement, every):
             continue
         runs, bad = sum(len(s.held) for s in found), sum(s.held.count(False) for s in found)
         what, when, label = requirement["quantity"]
-        heading = f"{requirement['id']}: {what} of {runs} runs{when}, {bad} not as asked"
+        heading = f"{requirement['id']}: {what} of {runs} runs{when}, {_told(requirement, f'{bad} not as asked')}"
         shown = found[:ROWS]
         rest = f"; the {len(found) - ROWS} combinations in which most runs hold are left out" if found[ROWS:] else ""
-        caption = f"{_capital(CROSS)}{rest}.{_without(every)}"
+        caption = f"{_capital(_marks(requirement))}{rest}.{_without(every)}"
         yield strips(heading, label, requirement["unit"], shown, _bounds(requirement), caption)
 
 
@@ -54,7 +54,8 @@ def sweeps(story: Story) -> Iterator[Drawn]:
             for run in story["runs"]:
                 place, finding = run["values"][axis], run["findings"][number]
                 if _is_number(place) and finding is not None:
-                    groups.setdefault(run["variant"], []).append((place, _worst(finding), finding["held"]))
+                    point = place, _worst(finding), finding["held"] is not False
+                    groups.setdefault(run["variant"], []).append(point)
             every = [point for points in groups.values() for point in points]
             values = [value for _, value, _ in every]
             if len({place for place, _, _ in every}) < 2 or not _worth(requirement, values):
@@ -69,7 +70,7 @@ def sweeps(story: Story) -> Iterator[Drawn]:
                 requirement["unit"],
                 {name: Points(*zip(*sorted(points), strict=True)) for name, points in groups.items()},
                 _bounds(requirement),
-                f"{len(every)} runs{SIDE if len(groups) > 1 else ''}; {CROSS}.{_without(values)}",
+                f"{len(every)} runs{SIDE if len(groups) > 1 else ''}; {_marks(requirement)}.{_without(values)}",
             )
 
 
@@ -78,7 +79,17 @@ def _along_heading(requirement: dict[str, Any], axis: str, points: list[tuple[fl
     bad, good = [p for p, _, held in points if not held], [p for p, _, held in points if held]
     seen = [f"not as asked from {min(bad):.4g} to {max(bad):.4g}"] if bad else ["all as asked"]
     seen += [f"as asked from {min(good):.4g} to {max(good):.4g}"] if bad and good else []
-    return f"{requirement['id']} along {axis}: {', '.join(seen)}"
+    return f"{requirement['id']} along {axis}: {_told(requirement, ', '.join(seen))}"
+
+
+def _told(requirement: dict[str, Any], words: str) -> str:
+    """What is to be said of runs: a percentile asks nothing of a single one."""
+    return words if requirement["quantile"] is None else "asked of a percentile of the runs"
+
+
+def _marks(requirement: dict[str, Any]) -> str:
+    """What the marks are."""
+    return CROSS if requirement["quantile"] is None else "a dot is a run; dashed: what is asked of a percentile of them"
 
 
 def _findings(story: Story, group: dict[str, Any], number: int) -> list[dict[str, Any]]:

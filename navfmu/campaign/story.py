@@ -182,8 +182,9 @@ def _run(outcome: Outcome, judged: Judged, picture: Drawn, notes: list[str]) -> 
 def _finding(requirement: Requirement, judged: Judged, finding: Finding | None) -> dict[str, Any] | None:
     if finding is None:
         return None
+    alone = requirement.quantile is None  # a percentile asks nothing of a single run
     return {
-        "held": judged.holds(requirement) and not judged.answer.idle,
+        "held": judged.holds(requirement) and not judged.answer.idle if alone else None,
         "inside": finding.percent,
         "share": percent(finding.percent) if requirement.question.share(finding) else "",
         "worst": _number(finding.worst),

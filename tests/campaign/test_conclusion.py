@@ -13,6 +13,7 @@ from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.conclusion import confidence, lowest, needed, not_tested, verdict
 from navfmu.campaign.drawn import drawn
 from navfmu.campaign.fmea import by_line
+from navfmu.campaign.page import page
 from navfmu.campaign.story import story
 from tests.components import systems
 
@@ -201,6 +202,28 @@ def test_lines_stand_in_the_order_of_their_numbers_and_what_is_noticed_before_a_
     }
     found = [(line["line"], line["runs"], line["noticed"]) for line in by_line(tale)]
     assert found == [("F2", 3, 1), ("F10", 2, 1), ("(none)", 1, 1)]
+
+
+def test_a_percentile_asks_nothing_of_a_single_run(told):
+    """Of runs half of which may be beyond the bound none is told to be not as asked; lines count variants and cases."""
+    folder = told[1].parent
+    text = (folder / "c.toml").read_text().replace("percent = 90\n", "quantile = 0.75\n").replace("runs = 40\n", "")
+    (folder / "quantile.toml").write_text(text)
+    outcome = run_campaign(load_campaign(folder / "quantile.toml"), folder / "quantile", 2, workers="thread")
+    tale = story(outcome, lambda order: drawn(outcome, order))
+    assert {run["findings"][0]["held"] for run in tale["runs"]} == {None}
+    assert not any(event[:2] == ["violation", "R-1"] for run in tale["runs"] for event in run["events"])
+    good = {}
+    for run in tale["runs"]:
+        frame = pandas.read_parquet(outcome.folder / run["recording"])
+        time = frame["time"] if "time" in frame else frame.index
+        values = frame["estimator.solution.length"].to_numpy()[time >= 2.0 - 1e-9]
+        good.setdefault((run["variant"], run["case"]), []).append(values)
+    held = {place: np.sort(rows, axis=0)[3].max() <= 8.0 for place, rows in good.items()}  # the third quartile of four
+    (line,) = by_line(tale)
+    assert line["held"][0] == (sum(ok for (_, case), ok in held.items() if case != "nominal"), 4)
+    text = page(tale, [], {"versions": {}}, [], []).html()
+    assert f">{line['held'][0][0]} of 4 cells<" in text and "R-1 NOT as asked" not in text
 
 
 def test_the_worst_run_comes_first(told):

@@ -24,6 +24,7 @@ def tale() -> dict:
         "id": "R",
         "quantity": ["a.horizontal_error", " at its worst time", "worst horizontal error"],
         "unit": "m",
+        "quantile": None,
         "bounds": [None, 25.0],
     }
     cases = [{"name": f"c{value:g}", "values": [value]} for value in (1.0, 2.0, 3.0)]
@@ -108,6 +109,21 @@ def test_runs_whose_worst_value_is_no_number_are_counted_though_they_have_no_mar
     for run in story["runs"]:
         run["findings"][0]["worst"] = None
     assert list(spread(story)) == [] and list(sweeps(story)) == []
+
+
+def test_no_run_is_crossed_out_where_a_percentile_of_all_is_asked(drawing):
+    """Half of the runs may be beyond the bound: none of them is wrong."""
+    story = tale()
+    story["requirements"][0]["quantile"] = 0.5
+    for run in story["runs"]:
+        run["findings"][0]["held"] = None
+    (found,) = spread(story)
+    assert found.title == "R: a.horizontal_error of 6 runs at its worst time, asked of a percentile of the runs"
+    assert len(marks(drawing[0].axes[0], "o")) == 6 and not marks(drawing[0].axes[0], "x")
+    assert "cross" not in found.caption
+    (found,) = sweeps(story)
+    assert found.title == "R along bias (m): asked of a percentile of the runs" and "cross" not in found.caption
+    assert len(marks(drawing[1].axes[0], "o")) == 6
 
 
 def test_false_and_true_are_not_spread(drawing):

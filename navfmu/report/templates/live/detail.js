@@ -61,7 +61,8 @@ function cellDetail(g, r) {
 }
 
 function findingCells(f) {
-  const verdict = made("td", { class: f.held ? "good" : "bad" }, f.held ? "as asked" : "NOT AS ASKED");
+  const [style, words] = { true: ["good", "as asked"], false: ["bad", "NOT AS ASKED"], null: ["none", "asked of all runs"] }[f.held];
+  const verdict = made("td", { class: style }, words);
   return [verdict, f.share, f.text, f.at === null ? "" : Number(f.at.toPrecision(9)), f.first === null ? "never" : Number(f.first.toPrecision(9))];
 }
 

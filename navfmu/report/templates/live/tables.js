@@ -51,7 +51,7 @@ function runs(place) {
   const rank = new Map(story.order.map((number, place) => [number, place]));
   const numbers = new Map(story.runs.map((run, number) => [run, number]));
   const rows = story.order.map((number) => story.runs[number]);
-  const bad = (run) => run.error !== null || run.findings.some((f) => f && !f.held);
+  const bad = (run) => run.error !== null || run.findings.some((f) => f && f.held === false);
   const columns = [
     { title: "run", text: (run) => String(numbers.get(run) + 1), sort: (run) => numbers.get(run), href: (run) => `#run/${numbers.get(run)}` },
     { title: "variant", text: (run) => run.variant },
@@ -61,7 +61,7 @@ function runs(place) {
       title: requirement.id,
       text: (run) => (run.findings[r] ? [run.findings[r].share, run.findings[r].text].filter(Boolean).join(", ") : run.error ? "error" : ""),
       sort: (run) => (run.findings[r] ? run.findings[r].inside : null),
-      style: (run) => (run.findings[r] ? (run.findings[r].held ? "good" : "bad") : run.error ? "bad" : "none"),
+      style: (run) => (run.findings[r] ? { true: "good", false: "bad" }[run.findings[r].held] : run.error ? "bad" : "none"),
       href: (run) => `#run/${numbers.get(run)}`,
     })),
     ...story.axes.map((axis, i) => ({ title: axis, text: (run) => valueText(run.values[i]), sort: (run) => run.values[i] })),
