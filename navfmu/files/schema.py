@@ -102,9 +102,12 @@ def _sentence(document: Document, model: type[Table], place: Place, problems: li
         subject = "" if place == where else f"'{key}' "
         return document.error(f"{label}{subject}{said}", *place)
     if value == [] and "too_short" in kinds:
-        return document.error(f"{label}'{key}' is an empty list, expected at least one; or leave '{key}' out", *place)
+        field = _field(table, key)
+        out = "" if field is not None and field.is_required() else f"; or leave '{key}' out"
+        return document.error(f"{label}'{key}' is an empty list, expected at least one{out}", *place)
     if not isinstance(value, list) and key == place[-1] and _of_tables(_field(table, key)):
-        return document.error(f"{label}'{key}' is written as tables: [[{key}]]", *place)
+        names = ".".join(part for part in place if isinstance(part, str))
+        return document.error(f"{label}'{key}' is written as tables: [[{names}]]", *place)
     wanted = dict.fromkeys(_expected(problem) for problem in problems)
     expected = " or ".join(words for words in wanted if words != WHOLE or NUMBER not in wanted)
     verb = "holds" if isinstance(place[-1], int) else "is"
@@ -168,6 +171,7 @@ _WORDS = {
     "list_type": "a list",
     "dict_type": "a table",
     "model_type": "a table",
+    "model_attributes_type": "a table",
     "finite_number": "a finite number",
     "string_too_short": "a text that is not empty",
     "greater_than": "more than {gt:g}",

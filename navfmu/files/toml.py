@@ -34,9 +34,9 @@ class Document:
         self._lines = dict(reversed(list(_places(text))))  # the first line of a place counts
 
     @classmethod
-    def read(cls, path: str | Path, kind: str = "TOML file") -> Document:
-        """Read a file; ``kind`` ("campaign file") says in messages what it was expected to be."""
-        return cls(read_text(path, kind), str(path))
+    def read(cls, path: str | Path, kind: str = "TOML file", name: str = "") -> Document:
+        """Read a file; ``kind`` ("campaign file") says in messages what it was expected to be, ``name`` what it is."""
+        return cls(read_text(path, kind, name), name or str(path))
 
     def line(self, *place: str | int) -> int:
         """The line on which the entry at a place is written; an entry that is not there has the line of its table."""
@@ -53,12 +53,12 @@ class Document:
         return f"{self.name}, line {self.line(*place)}" if place else self.name
 
 
-def read_text(path: str | Path, kind: str) -> str:
-    """The text of a file of bounded size; ``kind`` says in messages what it was expected to be."""
+def read_text(path: str | Path, kind: str, name: str = "") -> str:
+    """The text of a file of bounded size; ``kind`` says in messages what it was expected to be, ``name`` what it is."""
     try:
         return read_bytes(path, f"a {kind}", MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise NavfmuError(f"{path}: the {kind} cannot be read: it is not text in UTF-8") from None
+        raise NavfmuError(f"{name or path}: the {kind} cannot be read: it is not text in UTF-8") from None
 
 
 def _sentence(error: Exception) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 from navfmu.engine.link import Link
 from navfmu.errors import NavfmuError, nearest, visible
 from navfmu.files.reading import located, what_is
-from navfmu.files.toml import Document, read_text
+from navfmu.files.toml import Document
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
 from navfmu.fmi.fmu import Fmu, load
@@ -222,7 +222,7 @@ class Assembly:
             if what_is(folder / inside) is not None:
                 packed = origin.is_file() and origin != self.structure.file
                 label = f"{origin}: {inside}" if packed else str(folder / inside)
-                return Document(read_text(folder / inside, "report file"), label)
+                return Document.read(folder / inside, "report file", label)
         return None
 
     @cached_property

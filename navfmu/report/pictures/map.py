@@ -55,7 +55,7 @@ class Ellipses(Table):
 
     north: str = Field(description="signal: the standard deviation to the north that is claimed, in m")
     east: str = Field(description="signal: that to the east, in m")
-    factor: Number = Field(3, gt=0, description="how many sigmas; default 3")
+    factor: Number = Field(3, gt=0, allow_inf_nan=False, description="how many sigmas; default 3")
     count: int = Field(12, gt=0, le=100, description="how many are drawn along the track; default 12")
 
 

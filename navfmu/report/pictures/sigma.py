@@ -39,7 +39,7 @@ class Picture(Base):
     kind: Literal["sigma"]
     axes: list[Axis] = Field(min_length=1, description="errors and their sigmas, one panel each")
     valid: str | None = Field(None, description="points count where this signal is not 0; default: all")
-    factor: Number = Field(3, gt=0, description="how many sigmas are drawn; default 3")
+    factor: Number = Field(3, gt=0, allow_inf_nan=False, description="how many sigmas are drawn; default 3")
 
     def needs(self) -> list[str]:
         names = [name for axis in self.axes for name in (axis.error, axis.sigma)]
