@@ -186,8 +186,21 @@ class Experiment:
 
     @property
     def phases(self) -> Mapping[str, str]:
-        """Conditions with a name, where something may use them; what they say belongs to the key."""
+        """Conditions with a name, where something may use them."""
         return self.system.phases if self.monitors or any(fault.condition for fault in self.faults) else {}
+
+    @property
+    def phases_asked(self) -> dict[str, str]:
+        """Those that faults and monitors name; what they say belongs to the key."""
+        monitors = (text for monitor in self.monitors for text in (monitor.value, monitor.when))
+        return self._phases_in([*monitors, *(fault.condition for fault in self.faults)])
+
+    def _phases_in(self, texts: Sequence[str]) -> dict[str, str]:
+        if not self.phases:
+            return {}
+        from navfmu.system.phase import named_in
+
+        return named_in(self.phases, texts)
 
     @property
     def points(self) -> np.ndarray:
@@ -247,7 +260,7 @@ class Experiment:
             "record": list(self.record),
             "record_period": self.record_period,
             "monitors": [monitor.describe() for monitor in self.monitors],
-            "phases": dict(self.phases),
+            "phases": self.phases_asked,
         }
 
     @classmethod
@@ -265,7 +278,10 @@ class Experiment:
         }
         faults = [Fault.of(entry) for entry in given["faults"]]
         monitors = [Monitor(**entry) for entry in given["monitors"]]
-        return cls(system, **given | {"faults": faults, "monitors": monitors})
+        made = cls(system, **given | {"faults": faults, "monitors": monitors})
+        if made.phases_asked != description["phases"]:
+            raise NavfmuError(f"{description['system']}: its phases are not those that were asked")
+        return made
 
     def provenance(self) -> dict[str, Any]:
         """What is needed to repeat the run, and to see that it is the same."""
@@ -321,13 +337,16 @@ class Experiment:
         return words if self.seed is None else [*words, "--seed", str(self.seed)]
 
     def _outside(self, files: Sequence[str]) -> str:
-        """What a command names and does not hold, as ``--expect`` takes it: a hash of the system, one of the faults."""
+        """What a command names and does not hold, as ``--expect`` takes it: a hash of the system, one of the faults.
+
+        Phases for which faults wait belong to the system.
+        """
         faults = [fault.describe() for fault in self.faults if fault.file in files]
         for fault in faults:
             fault.pop("file")  # wherever it lies
-        text = json.dumps(faults, sort_keys=True, default=str)
-        digests = [self.system.digest, *([hashlib.sha256(text.encode()).hexdigest()] if faults else [])]
-        return "-".join(digest[:12] for digest in digests)
+        phases = self._phases_in([fault.condition for fault in self.faults])
+        system = _digest([self.system.digest, phases]) if phases else self.system.digest
+        return "-".join(digest[:12] for digest in (system, *([_digest(faults)] if faults else [])))
 
     def expect(self, words: str) -> None:
         """Refuse when the system or the fault files are others than those of a command with ``--expect words``."""
@@ -340,6 +359,10 @@ class Experiment:
             f"--expect {words}: the {what} not what the command was written for ({here}); without --expect it runs "
             "what is there now"
         )
+
+
+def _digest(content: Any) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def _time(name: str, value: Any) -> Any:

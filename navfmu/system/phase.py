@@ -10,7 +10,7 @@ They are read by themselves: only faults that wait for something and requirement
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import ConfigDict
@@ -59,6 +59,18 @@ def phases_of(document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus
         elif all(_problem(found, name, other) for other in others()):
             raise document.error(f"phase '{name}': {problem}", "phase", number, "when")
     return known
+
+
+def named_in(phases: Mapping[str, str], texts: Iterable[str]) -> dict[str, str]:
+    """Those of the phases that expressions name, or phases that they name."""
+    found: dict[str, str] = {}
+    waiting = list(texts)
+    while waiting:
+        words = set(re.findall(r"\w+", waiting.pop()))
+        new = {name: text for name, text in phases.items() if name in words and name not in found}
+        found |= new
+        waiting += new.values()
+    return dict(sorted(found.items()))
 
 
 def _problem(phases: Mapping[str, str], name: str, fmus: Mapping[str, Any]) -> str | None:

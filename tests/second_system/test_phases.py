@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
 from navfmu import Fault, System
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.errors import NavfmuError
+from navfmu.system.experiment import Experiment
 from tests.second_system.system import REPORT, pack
 
 PHASES = """
@@ -47,6 +50,25 @@ def test_what_a_phase_says_belongs_to_the_key_of_those_who_use_it(rover, tmp_pat
     assert one.key != two.key
     one, two = (System.load(file).experiment(stop=10.0) for file in (rover, other))
     assert one.key == two.key
+
+
+def test_what_a_phase_says_belongs_to_nobody_else(rover, tmp_path):
+    """"far" names "parked". Wrong: whoever asks anything flies anew when a phase changes that has nothing to do with it."""
+    (tmp_path / "report.toml").write_text(REPORT.read_text() + PHASES.replace("> 25 m", "> 26 m"))
+    other = pack(tmp_path, tmp_path / "report.toml")
+    for during, same in (("parked", True), ("far", False), ("not far", False), ("time > 3", True)):
+        fault = Fault("x", "judge.distance", "bias", value=-1000.0, during=during)
+        one, two = (System.load(file).experiment(stop=10.0, faults=[fault]) for file in (rover, other))
+        assert (one.key == two.key) is same, during
+        with raises_unless(same, "the system in .* is not what the command was written for"):
+            words = one.command().split()
+            two.expect(words[words.index("--expect") + 1])
+        with raises_unless(same, "its phases are not those that were asked"):
+            Experiment.restored(one.describe(), two.system)
+
+
+def raises_unless(same, sentence):
+    return nullcontext() if same else pytest.raises(NavfmuError, match=sentence)
 
 
 def test_a_campaign_asks_in_a_phase(rover, tmp_path):
