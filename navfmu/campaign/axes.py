@@ -21,6 +21,7 @@ Error = Callable[..., NavfmuError]  # of a sentence and the place of an entry in
 TAKEN = (  # columns beside those of axes, in all tables of a campaign
     *("variant", "case", "seed", "requirement", "sentence", "verdict", "seen", "error", "not_finite", "idle", "notes"),
     *("held", "percent", "worst", "worst_time", "first_violation", "missing", "recording"),
+    *("first_onset", "latency", "rms", "greatest"),
     *("runs_held", "runs", "interval_low_percent", "interval_high_percent"),
     *("axis", "unit", "holds_at", "violated_at", "tolerance", "runs_with_error"),
 )

@@ -117,7 +117,7 @@ class Outcome:
         rows = []
         for judged in self.every:
             head = {"variant": judged.run.variant, "case": judged.run.case.name}
-            head |= self.campaign.columns(judged.run.case) | {"seed": judged.run.seed, "onset": judged.onset}
+            head |= self.campaign.columns(judged.run.case) | {"seed": judged.run.seed, "first_onset": judged.onset}
             tail = {
                 "error": judged.error or "",
                 "not_finite": " ".join(judged.answer.not_finite),
