@@ -82,7 +82,8 @@ def verdict(story: Story) -> str:
 def confidence(story: Story) -> list[str]:
     """What the number of runs can show."""
     found = []
-    counts = sorted({cell["distinct"] for group in story["groups"] for cell in group["cells"] if cell is not None})
+    cells = [cell for group in story["groups"] for cell in group["cells"] if cell is not None]
+    counts = sorted({cell["distinct"] for cell in cells if cell["distinct"]})
     if counts:
         few, many = counts[0], counts[-1]
         runs = f"{few} run{'s' * (few > 1)}" if few == many else f"{few} to {many} runs"
@@ -95,7 +96,7 @@ def confidence(story: Story) -> list[str]:
     every: dict[int, list[str]] = {}
     for one in asked(story):
         share, name = one.requirement["runs"], one.requirement["id"]
-        if not one.cells:
+        if not any(cell["distinct"] for _, cell in one.cells):
             continue
         if one.requirement["quantile"] is not None:
             found.append(f"{name} is asked of a percentile of the runs, for which no interval is claimed.")

@@ -19,6 +19,7 @@ class Question:
     """A bound on a value, for a share of the time of each run, or of the runs at each time."""
 
     of_faults = False  # whether it is asked only in runs in which its fault acts
+    silent = "was asked at no point of the run"
 
     def monitor(self, r: Requirement) -> Monitor:
         """What is asked at every communication point of a run."""
@@ -144,6 +145,7 @@ class Detects(Question):
     """
 
     of_faults = True
+    silent = "could not be asked: its fault did not act, or the run was over before its time was"
     after = "noticed"
 
     def monitor(self, r: Requirement) -> Monitor:
@@ -197,6 +199,7 @@ class Recovers(Detects):
     again, or the run has its planned end, before the time is over and while the expression is false, says nothing.
     """
 
+    silent = "could not be asked: its fault was never over, or it came again, or the run was over, before its time was"
     after = "recovered"
 
     def monitor(self, r: Requirement) -> Monitor:

@@ -52,10 +52,17 @@ class Threshold:
         holds, violated = self.bracket.holds_at, self.bracket.violated_at
         if holds is not None and violated is not None:
             one, other = texts(axis, [holds, violated], 9)
-            return f"holds at {axis.name} = {one}, is violated at {other}"
+            return f"holds at {axis.name} = {one}, is violated at {other}{self._silent}"
         what = "holds" if violated is None else "is violated"
         ends = " and at ".join(texts(axis, [span.low, span.high], 9))
-        return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at"
+        return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at{self._silent}"
+
+    @property
+    def _silent(self) -> str:
+        """What to say of runs that say nothing."""
+        asked = [self.requirement.id in probe.findings or probe.error is not None for probe in self.probes]
+        never = asked.count(False)
+        return f"; in {never} of its {len(asked)} runs it could not be asked, which counts as violated" if never else ""
 
     @property
     def idle(self) -> dict[str, str]:

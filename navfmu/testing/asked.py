@@ -67,7 +67,7 @@ class Asked:
         """Why a run does not hold it, or ""; ``seen`` is what the run says of its monitors."""
         finding = self.requirement.question.judge(self.requirement, Observed.restored(seen[self.key]))
         if finding is None:
-            raise NavfmuError(f"requirement {self.words}: was asked at no point of the run")
+            raise NavfmuError(f"requirement {self.words}: {self.requirement.question.silent}")
         held = finding.held != self.requirement.expect_violated
         return "" if held else f"requirement {self.words} {self._violated(finding)}"
 
