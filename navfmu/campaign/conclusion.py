@@ -157,7 +157,7 @@ def _not_faulted(story: Story) -> Iterator[str]:
 def _not_varied(story: Story) -> Iterator[str]:
     faults: dict[str, set[str]] = {}
     for case in (*story["cases"], *story["searched"]):
-        for fault in case["faults"]:
+        for fault in case.get("ends", case["faults"]):
             faults.setdefault(fault["id"], set()).add(" ".join(fault["cells"][1:]))
     once = [name for name, ways in faults.items() if len(ways) == 1]
     if once:

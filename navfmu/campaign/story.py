@@ -134,9 +134,13 @@ def _case(campaign: Campaign, case: Case) -> dict[str, Any]:
 
 
 def _searched(campaign: Campaign, search: Search) -> dict[str, Any]:
-    """A case that is searched."""
+    """A case that is searched, and its faults at the ends of the search."""
     case = _case(campaign, search.case)
-    return case | {"changed": ", ".join(filter(None, [case["changed"], search.sentence]))}
+    ends = [fault for end in (search.span.low, search.span.high) for fault in search.at(end).faults]
+    return case | {
+        "changed": ", ".join(filter(None, [case["changed"], search.sentence])),
+        "ends": [_fault(fault.describe()) for fault in ends],
+    }
 
 
 def _once(searches: Sequence[Search]) -> list[Search]:
