@@ -160,7 +160,7 @@ def test_of_several_ends_each_counts(tmp_path):
 def test_a_search_says_of_which_runs_nothing_is_known(tmp_path):
     """A fault of 3 s in a run of 10 s has its end, and 1 s more, if it begins at 6 s or before; recovered from it is
     always. Wrong: a bracket, and not a word on what it stands on."""
-    axis = '[[axis]]\nvary = "fault.x.start"\nlow = 1.0\nhigh = 9.0\nsearch = "R-0"\ntolerance = 0.5\ncases = ["failed"]'
+    axis = '[[axis]]\nvary = "fault.x.start"\nlow = 1.0\nhigh = 9.0\nsearch = "R-0"\ntolerance = 0.5'
     faults = {"x": "start = 2.0\nduration = 3.0"}
     outcome = flown(tmp_path, faults, f'recovers = "true"\nwithin = 1.0\n\n{axis}\n')
     (threshold,) = outcome.thresholds

@@ -53,7 +53,7 @@ def test_what_a_phase_says_belongs_to_the_key_of_those_who_use_it(rover, tmp_pat
 
 
 def test_what_a_phase_says_belongs_to_nobody_else(rover, tmp_path):
-    """"far" names "parked". Wrong: whoever asks anything flies anew when a phase changes that has nothing to do with it."""
+    """The phase "far" names "parked", and not the other way. Wrong: whatever asks something is flown anew."""
     (tmp_path / "report.toml").write_text(REPORT.read_text() + PHASES.replace("> 25 m", "> 26 m"))
     other = pack(tmp_path, tmp_path / "report.toml")
     for during, same in (("parked", True), ("far", False), ("not far", False), ("time > 3", True)):
