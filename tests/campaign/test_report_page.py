@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
+from scipy.stats import binomtest
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.drawn import LIMIT, Drawn, drawn, stretches
@@ -131,6 +132,17 @@ def test_with_the_keyboard_alone_one_comes_from_the_matrix_to_the_curves_and_bac
     browser.until(f"!{OPEN}")
     assert browser.value("document.activeElement.dataset.column") == "3"
     assert browser.value("location.hash") == ""
+
+
+def test_a_cell_tells_the_share_of_runs_that_its_number_can_show(browser, outcome):
+    variant, case = rows(browser, "matrix")[0][:2]
+    count = int(matrix_of(outcome)[variant, case].split()[1].partition("/")[0])
+    interval = binomtest(count, 4).proportion_ci(method="wilson")
+    browser.value("location.hash = '#cell/0/0'")
+    browser.until(OPEN)
+    words = browser.value("document.querySelector('#detail').innerText")
+    assert f": {100 * interval.low:.0f} to {100 * interval.high:.0f} % of such runs hold (95 % interval)." in words
+    assert f"held in {count} of 4 runs" in words
 
 
 def test_a_run_shows_its_recording_and_its_command(browser, outcome):
