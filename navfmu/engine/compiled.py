@@ -247,7 +247,7 @@ class Compiled:
         )
         seen = observed(self.plan, self._monitors, self.k)
         rows = self.rows[: self._place.rows].copy()
-        return recording(self.plan, rows, notes, lost, idle, seen, self._acted(), self.k)
+        return recording(self.plan, rows, notes, lost, idle, seen, self._acted(), self.k, over)
 
     def _acted(self) -> list[list[tuple[int, int]]]:
         """The communication points first <= k < end at which each trigger acted."""

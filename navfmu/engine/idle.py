@@ -181,12 +181,20 @@ def unseen(
     return {
         fault.id: reason(fault, first)
         for fault, first in zip(faults, begins, strict=True)
-        if fault and fault.id not in acted and not (first > k and "mttf" in fault.parameters)
+        if fault and fault.id not in acted and not ("mttf" in fault.parameters and (first > k or fault.id in never))
     }
+
+
+def spared_by_its_condition(faults: Sequence[Fault | None], begins: Sequence[int], never: Collection[str], k: int) -> list[str]:
+    """A sentence for each fault that failed at random up to point ``k``, but never while its condition was met."""
+    return [
+        f"fault '{fault.id}' does not occur: it fails at random, and {_unmet(fault)}"
+        for fault, first in {one.id: (one, first) for one, first in zip(faults, begins, strict=True) if one}.values()
+        if "mttf" in fault.parameters and fault.id in never and first <= k
+    ]
 
 
 def _unmet(fault: Fault) -> str:
     """In words, that the condition of a fault was not met before a point at which it could act."""
     held = f" for {fault.parameters['hold']:.9g} s" if fault.parameters.get("hold") else ""
-    after = f" at {fault.start:.9g} s or later" if fault.start else ""
-    return f"'{fault.condition}' did not hold{held}{after}"
+    return f"'{fault.condition}' did not hold{held} just before any point at which it could act"

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from navfmu.engine.component import Component
-from navfmu.engine.idle import unseen
+from navfmu.engine.idle import spared_by_its_condition, unseen
 from navfmu.engine.monitor import Observed
 from navfmu.engine.plan import Plan
 from navfmu.engine.structures import Log
@@ -130,9 +130,13 @@ def unmoved(
         for at, slot in zip(seen, plan.effects["slot"].tolist(), strict=False)
     ]
     was += [at >= 0 for at in seen[len(was) :]]
-    never = [fault for fault, spans in zip(plan.fault_ids, acted, strict=False) if not spans]
-    found = unseen(plan.faults, plan.begins, was, never, plan.clock, k)
+    found = unseen(plan.faults, plan.begins, was, _never(plan, acted), plan.clock, k)
     return {fault: why for fault, why in found.items() if fault not in plan.idle}
+
+
+def _never(plan: Plan, acted: Sequence[Sequence[tuple[int, int]]]) -> list[str]:
+    """The faults that acted at no point."""
+    return [fault for fault, spans in zip(plan.fault_ids, acted, strict=False) if not spans]
 
 
 def observed(plan: Plan, rows: Sequence[np.void] | np.ndarray, k: int) -> dict[str, Observed]:
@@ -167,6 +171,7 @@ def recording(
     seen: Mapping[str, Observed] | None = None,
     acted: Sequence[Sequence[tuple[int, int]]] = (),
     k: int = 0,
+    over: bool = False,
 ) -> Recording:
     """A recording of the plan's columns from the rows of raw signals; scales what is scaled."""
     for number, column in enumerate(plan.recorded):
@@ -184,7 +189,8 @@ def recording(
         acted={fault: _times(plan, spans, k) for fault, spans in zip(plan.fault_ids, acted, strict=False)},
     )
     unfelt = [f"fault '{fault}' {why}" for fault, why in made.idle.items()]
-    return replace(made, notes=(*warnings, *unfelt, *missed(made.lost, plan), *not_finite(made)))
+    by_chance = spared_by_its_condition(plan.faults, plan.begins, _never(plan, acted), k) if over else []
+    return replace(made, notes=(*warnings, *unfelt, *by_chance, *missed(made.lost, plan), *not_finite(made)))
 
 
 def _times(plan: Plan, spans: Sequence[tuple[int, int]], k: int) -> Spans:

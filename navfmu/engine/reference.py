@@ -221,7 +221,7 @@ class Reference:
         acted = [trigger.spans for trigger in self._triggers]
         idle = unmoved(self.plan, seen, self.k, over, self._turn, acted)
         found = observed(self.plan, [observer.row for observer in self._observers], self.k)
-        return recording(self.plan, rows, notes, lost, idle, found, acted, self.k)
+        return recording(self.plan, rows, notes, lost, idle, found, acted, self.k, over)
 
     def _count_lost(self) -> dict[str, int]:
         """Samples that were lost so far; what was read last, once an FMU has refused a call or is gone."""

@@ -17,6 +17,7 @@ from navfmu.faults.file import parse_fault
 from tests.engine.probe import probe, simulate
 
 H, STEPS = 0.1, 100
+BEFORE = " just before any point at which it could act"
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
 RECEIVERS = pytest.mark.parametrize("interpolates", [True, False], ids=["interpolating", "plain"])
 K = np.arange(STEPS + 1)
@@ -97,7 +98,7 @@ def test_it_does_not_come_before_its_start(algorithm):
     assert np.array_equal(acted(run(fault, algorithm=algorithm)), (K >= 50) & (K < 60))
     passed = bias(start=5.0, when="3 <= time < 4.9")
     recording = run(passed, algorithm=algorithm)
-    assert recording.idle == {"x": "never acted: '3 <= time < 4.9' did not hold at 5 s or later"}
+    assert recording.idle == {"x": "never acted: '3 <= time < 4.9' did not hold" + BEFORE}
     assert not acted(recording).any() and recording.acted == {"x": ()}
 
 
@@ -270,7 +271,24 @@ def test_a_condition_that_the_system_does_not_have_is_told(condition, sentence):
 
 def test_a_condition_that_never_holds_is_told():
     recording = run(bias(when="source.data.value > 1000", hold=2.0))
-    assert recording.idle == {"x": "never acted: 'source.data.value > 1000' did not hold for 2 s"}
+    assert recording.idle == {"x": "never acted: 'source.data.value > 1000' did not hold for 2 s" + BEFORE}
+
+
+def test_a_condition_that_holds_where_it_cannot_act_is_not_said_never_to_hold():
+    """It holds, but at the last point only, or outside of the windows. Wrong: "did not hold at 2 s or later"."""
+    last = run(bias(when="time >= 9.95"))
+    assert last.idle == {"x": "never acted: 'time >= 9.95' did not hold" + BEFORE}
+    beside = run(bias(start=2.0, duration=1.0, during="time >= 3"))
+    assert beside.idle == {"x": "never acted: 'time >= 3' did not hold" + BEFORE}
+
+
+def test_a_failure_at_random_that_misses_its_phase_is_a_note_and_no_finding():
+    """As one that comes after the end of the run. Wrong: some seeds of a campaign are findings by chance."""
+    recording = run(bias(mttf=0.8, mttr=0.3, during="false"), seed=5)
+    told = "fault 'x' does not occur: it fails at random, and 'false' did not hold" + BEFORE
+    assert recording.idle == {} and recording.notes == (told,) and recording.acted == {"x": ()}
+    rare = run(bias(mttf=1e9, during="false"))
+    assert rare.idle == {} and rare.notes == ()  # the plan says so
 
 
 def test_what_may_come_at_any_time_hides_nothing_beforehand():
