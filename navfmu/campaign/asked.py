@@ -184,7 +184,8 @@ def bound(program: Program, system: System, value: float | str, what: str) -> fl
     if constant.sources:
         raise NavfmuError(f"{what}: expected a number, with a unit or without")
     if None not in (program.unit, constant.unit) and not constant.unit.agrees(program.unit):  # type: ignore[union-attr]
-        raise NavfmuError(f"{what}: '{program.text}' is in {program.unit.name}")  # type: ignore[union-attr]
+        kind = "a truth value" if program.boolean else f"in {program.unit.name}"  # type: ignore[union-attr]
+        raise NavfmuError(f"{what}: '{program.text}' is {kind}")
     return float(constant.value([]))
 
 

@@ -85,7 +85,8 @@ class Cases:
                 raise self.document.error(str(error), *where) from None
             if not here and path == Path(name):  # not in the system either; the current folder does not matter
                 raise self.document.error(f"there is no fault file '{name}'", *where)
-            found += [replace(fault, file=str(path if here else name)) for fault in load_faults(path)]
+            faults = load_faults(path, str(path) if here else self.system.called(path))
+            found += [replace(fault, file=str(path if here else name)) for fault in faults]
         if common is not None:
             alike = [_acts(fault) for fault in (*common, *found)]
             found = [fault for n, fault in enumerate(found, len(common)) if alike.index(alike[n]) == n]

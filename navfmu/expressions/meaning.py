@@ -39,6 +39,7 @@ NESTED = 100  # parts of an expression within one another
 _NONE = Unit("1", (0,) * len(BASE))
 _SECOND = COMMON["s"]
 
+FEW = 6  # names that a sentence tells when none is near
 _FACTOR = re.compile(r"([*/]?)([^*/^]+)(?:\^(-?\d+))?")
 
 Row = tuple[Op, float]
@@ -160,6 +161,10 @@ class _Compiler:
             return Value(((Op.TIME, 0.0),), unit=_SECOND)
         name, true = (node.text.removesuffix(names.TRUE), node.text.endswith(names.TRUE))
         component, variable = names.split(name)
+        if name in self.system:
+            own = [signal for signal in self.everything() if signal.startswith(f"{name}.")]
+            example = f", such as '{own[0]}'" if own else ""
+            raise self.error(node, f"'{name}' is a component, expected one of its signals{example}")
         if component not in self.system or not variable:
             close = nearest(name, self.everything()) or nearest(component, [*self.system, *self.named, "time"])
             what = f"component '{component}'" if variable else f"signal '{name}'"
@@ -189,7 +194,8 @@ class _Compiler:
         found = names.group(description.by_name, variable)
         if not found:
             known = names.short(v.name for v in description.variables if v.causality in ("input", "output"))
-            raise self.error(node, f"component '{component}' has no variable '{variable}'{nearest(variable, known)}")
+            hint = nearest(variable, known) or (f" (it has: {', '.join(known)})" if 0 < len(known) <= FEW else "")
+            raise self.error(node, f"component '{component}' has no variable '{variable}'{hint}")
         if any(suffix.startswith(".") for suffix in found):
             members = ", ".join(names.array(name) for name in dict.fromkeys(map(names.array, found.values())))
             raise self.error(node, f"'{component}.{variable}' is a bundle, expected one of its members: {members}")

@@ -11,9 +11,9 @@ from navfmu.faults.fault import Fault, FaultError
 from navfmu.files.toml import Document
 
 
-def load_faults(path: str | Path) -> list[Fault]:
-    """The faults of a file, in its order."""
-    return faults_of(Document.read(path, "fault file"))
+def load_faults(path: str | Path, name: str = "") -> list[Fault]:
+    """The faults of a file, in its order; ``name`` is what messages call it, by default its path."""
+    return faults_of(Document.read(path, "fault file", name))
 
 
 def parse_fault(text: str, name: str = "fault") -> Fault:

@@ -134,7 +134,7 @@ class Assembly:
             if isinstance(entry, (str, Path)):
                 path = self.attachment("faults", entry)
                 file = str(located(path)) if path == Path(entry) else str(entry)
-                found += [replace(fault, file=file) for fault in load_faults(path)]
+                found += [replace(fault, file=file) for fault in load_faults(path, self.called(path))]
             elif isinstance(entry, Fault):
                 found.append(entry)
             else:
@@ -168,6 +168,12 @@ class Assembly:
             have = f" (the system has: {', '.join(sorted(known))})" if known else ""
             raise NavfmuError(f"{kind}: there is no file '{name}'{nearest(path.stem, known)}{have}")
         return path
+
+    def called(self, file: Path) -> str:
+        """What messages call a file: one of the package "system.ssp: extra/report.toml", not by a path in the cache."""
+        folder, origin = self.structure.file.parent, self.structure.origin
+        packed = origin.is_file() and origin != self.structure.file and file.is_relative_to(folder)
+        return f"{origin}: {file.relative_to(folder).as_posix()}" if packed else str(file)
 
     def signals(self, record: Sequence[str] | None = None) -> list[str]:
         """Names to record: those given, where the name of a component stands for all its outputs.
@@ -217,12 +223,10 @@ class Assembly:
     def _report_document(self) -> Document | None:
         if self.structure.file.suffix.lower() != ".ssd":
             return None
-        folder, origin = self.structure.file.parent, self.structure.origin
-        for inside in ("extra/report.toml", "report.toml"):
-            if what_is(folder / inside) is not None:
-                packed = origin.is_file() and origin != self.structure.file
-                label = f"{origin}: {inside}" if packed else str(folder / inside)
-                return Document.read(folder / inside, "report file", label)
+        folder = self.structure.file.parent
+        for file in (folder / "extra" / "report.toml", folder / "report.toml"):
+            if what_is(file) is not None:
+                return Document.read(file, "report file", self.called(file))
         return None
 
     @cached_property

@@ -48,7 +48,7 @@ class File(Table):
         ("title = 'x'\ngroup = 3", "f.toml, line 2: 'group' is written as tables: [[group]]"),
         ("title = 'x'\n[[group]]\n", "f.toml, line 2: this group has no 'name'"),
         ("title = 'x'\n[[group]]\nname = 'g'\nmembers = ['a', 2]", "line 4: 'members' holds 2, expected a text"),
-        ("title = 'x'\n[[group]]\nname = 'g'\npart = {}", "f.toml, line 4: 'part' is written as tables: [[group.part]]"),
+        ("title = 'x'\n[[group]]\nname = 'g'\npart = {}", "line 4: 'part' is written as tables: [[group.part]]"),
         ("title = 'x'\n[[group]]\nname = 'g'\npart = []", "f.toml, line 4: 'part' is an empty list, expected at least"),
         ("title = 'x'\n[[group]]\nname = 'g'\n[[group.part]]\n", "f.toml, line 4: this part has no 'id'"),
         ("title = 'x'\n[[group]]\nname = 'g'\n[[group.part]]\nid = 'p'\nfrmo = 1",
