@@ -187,9 +187,10 @@ def unseen(
 
 def spared_by_its_condition(faults: Sequence[Fault | None], begins: Sequence[int], never: Collection[str], k: int) -> list[str]:
     """A sentence for each fault that failed at random up to point ``k``, but never while its condition was met."""
+    once = {fault.id: (fault, first) for fault, first in zip(faults, begins, strict=True) if fault}
     return [
         f"fault '{fault.id}' does not occur: it fails at random, and {_unmet(fault)}"
-        for fault, first in {one.id: (one, first) for one, first in zip(faults, begins, strict=True) if one}.values()
+        for fault, first in once.values()
         if "mttf" in fault.parameters and fault.id in never and first <= k
     ]
 
