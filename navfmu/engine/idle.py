@@ -185,7 +185,9 @@ def unseen(
     }
 
 
-def spared_by_its_condition(faults: Sequence[Fault | None], begins: Sequence[int], never: Collection[str], k: int) -> list[str]:
+def spared_by_its_condition(
+    faults: Sequence[Fault | None], begins: Sequence[int], never: Collection[str], k: int
+) -> list[str]:
     """A sentence for each fault that failed at random up to point ``k``, but never while its condition was met."""
     once = {fault.id: (fault, first) for fault, first in zip(faults, begins, strict=True) if fault}
     return [
