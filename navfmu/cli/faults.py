@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -10,6 +11,7 @@ from rich.text import Text
 
 from navfmu.cli import options
 from navfmu.errors import NavfmuError, nearest
+from navfmu.faults.types import TYPES
 from navfmu.fmi import names
 from navfmu.terminal.console import console, say
 from navfmu.terminal.table import Column, Kind, Table
@@ -22,12 +24,14 @@ if TYPE_CHECKING:
 @click.argument("system")
 @click.argument("targets", nargs=-1)
 @click.option("--variant", metavar="V", help="A sibling of the main system.")
+@click.option("--type", "kind", metavar="TYPE", help="Only what supports this type of fault, and that type alone.")
 @options.strict
-def command(system: str, targets: tuple[str, ...], variant: str | None, strict: bool) -> None:
+def command(system: str, targets: tuple[str, ...], variant: str | None, kind: str | None, strict: bool) -> None:
     """Show what in a system can fail, and how.
 
     TARGETS narrow it: components, signals, or patterns such as 'gps.*'. For one signal or bundle alone a fault file is
-    printed to begin with: 'navfmu faults backup_navigator gps.fix > faults.toml'.
+    printed to begin with: 'navfmu faults backup_navigator gps.fix > faults.toml'. So is one for a component whose steps
+    are lost: 'navfmu faults backup_navigator gps --type lost_step > faults.toml'.
     """
     from navfmu.cli.skeleton import skeleton
     from navfmu.engine.catalogue import catalogue
@@ -37,8 +41,9 @@ def command(system: str, targets: tuple[str, ...], variant: str | None, strict: 
     loaded = System.load(system, variant, strict=strict)
     components = [Component(name, fmu) for name, fmu in loaded.fmus.items()]
     known = catalogue(components, {names.split(link.target): link.source for link in loaded.links})
-    found = _chosen(known, targets)
-    if len(targets) == 1 and len(found) >= 1 and found[0].name == targets[0] and "." in targets[0]:
+    found = _of_type(_chosen(known, targets), kind)
+    alone = "." in "".join(targets) or len(found) == 1  # a component stands for its signals, too
+    if alone and len(targets) == 1 and found[0].name == targets[0]:
         click.echo(skeleton(found[0]), nl=False)
     else:
         _show(found)
@@ -54,6 +59,18 @@ def _chosen(known: Sequence[Target], wanted: Sequence[str]) -> list[Target]:
             raise NavfmuError(f"nothing that can fail has the name '{name}'{hint}")
         found |= {target.name: target for target in meant}
     return list(found.values()) if wanted else list(known)
+
+
+def _of_type(found: list[Target], kind: str | None) -> list[Target]:
+    """The targets that support a type of fault, as if there were no other."""
+    if kind is None:
+        return found
+    if kind not in TYPES:
+        raise NavfmuError(f"unknown type '{kind}'{nearest(kind, TYPES)} (types: {', '.join(TYPES)})")
+    able = [replace(target, types=(kind,)) for target in found if kind in target.types]
+    if not able:
+        raise NavfmuError(f"no target of these supports the type '{kind}', which acts on {TYPES[kind].targets}")
+    return able
 
 
 def _show(found: Sequence[Target]) -> None:

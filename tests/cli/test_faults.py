@@ -104,6 +104,28 @@ def test_one_target_is_a_fault_file():
     assert [fault["type"] for fault in content["fault"]][:2] == ["bias", "scale"]
 
 
+def test_one_type_at_one_target_is_a_fault_file():
+    content = tomllib.loads(output(systems.tracker(), "lag.y", "--type", "noise"))
+    assert [(fault["target"], fault["type"]) for fault in content["fault"]] == [("lag.y", "noise")]
+
+
+def test_a_component_whose_steps_are_lost_has_a_fault_file(system):
+    """Wrong: a list of its signals, whatever is asked."""
+    text = output(systems.tracker(), "lag", "--type", "lost_step")
+    (fault,) = parse_faults(text)
+    assert (fault.type, fault.target) == ("lost_step", "lag") and not plan(system, fault).idle
+    assert "lag.y" in output(systems.tracker(), "lag")
+
+
+def test_a_type_narrows_the_list():
+    text = output(systems.tracker(), "--type", "dropout")
+    assert "sensor.reading" in text and "lag.y" not in text and "2 bundle outputs: dropout" in text
+    said = " ".join(output(systems.tracker(), "--type", "dropuot", code=2).split())
+    assert "unknown type 'dropuot'; did you mean 'dropout'? (types: bias" in said
+    said = " ".join(output(systems.tracker(), "lag.y", "--type", "dropout", code=2).split())
+    assert "no target of these supports the type 'dropout', which acts on bundles" in said
+
+
 def test_a_name_that_is_none_is_a_sentence():
     assert "nothing that can fail has the name 'lga.y'; did you mean 'lag.y'?" in output(
         systems.tracker(), "lga.y", code=2
