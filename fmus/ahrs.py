@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.grades import ahrs_parameters
+from fmus.grades import AIR_DATA, ahrs_parameters
 from models import ahrs, attitude, earth, kalman, magnetic_field
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, require, start
 
@@ -77,7 +77,18 @@ class Ahrs(Component):
         field_b=Input(3, "T", display_unit="mG", description="magnetic field, body axes"), description="magnetic field"
     )
 
-    air = Bundle(true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"), description="air data")
+    air = Bundle(
+        true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"),
+        true_airspeed_sigma=Input(
+            "m/s",
+            start=AIR_DATA["airspeed_error_sigma"],
+            min=0.0,
+            display_unit="kn",
+            description="standard deviation of true airspeed by its instrument (thesis (3.32) has 2.6 m/s of the "
+            "indicated one)",
+        ),
+        description="air data",
+    )
     position = Bundle(
         latitude=Input("rad", display_unit="deg", description="geodetic latitude"),
         longitude=Input("rad", display_unit="deg", description="longitude"),
@@ -215,13 +226,6 @@ class Ahrs(Component):
     airspeed = Parameter(
         "m/s", start=60.0, min=0.0, display_unit="kn", description="airspeed that is assumed before there is air data"
     )
-    airspeed_sigma = Parameter(
-        "m/s",
-        start=_DEFAULT["airspeed_sigma"],
-        min=0.0,
-        display_unit="kn",
-        description="standard deviation of the airspeed error (thesis (3.32))",
-    )
     airspeed_time = Parameter(
         "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
     )
@@ -230,7 +234,7 @@ class Ahrs(Component):
         start=10.0,
         min=0.0,
         display_unit="kn",
-        description="airspeed_sigma without air data (own choice)",
+        description="standard deviation of the airspeed without air data (own choice)",
     )
     air_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which air data are lost")
     field_sigma = Parameter(
@@ -390,7 +394,7 @@ class Ahrs(Component):
         back = fresh & np.logical_not(self.had_air)
         airspeed_error = np.where(back, 0.0, self.airspeed_error)
         airspeed = self.airspeed_seen - airspeed_error
-        airspeed_sigma = np.where(fresh, self.airspeed_sigma, self.blind_airspeed_sigma)
+        airspeed_sigma = np.where(fresh, self.air.true_airspeed_sigma, self.blind_airspeed_sigma)
         since = self.air.time_of_validity - self.airspeed_used_time
         changed = since > 1.0e-6
         speeding = np.where(fresh, (self.airspeed_seen - self.airspeed_used) / np.where(changed, since, 1.0), 0.0)

@@ -75,7 +75,9 @@ AIR_DATA: dict[str, float] = {
     "pressure_offset_sigma": 10.0,
     "temperature_error_sigma": 1.0,
 }
-"""Parameters of ``air_data``: the airspeed within 5 kn and the altitude within 75 ft, thesis (3.32), (3.34).
+"""Parameters of ``air_data``: indicated airspeed within 5 kn and altitude within 75 ft, thesis (3.32), (3.34).
+
+``air_data`` makes the sigma of true airspeed of them, which ``ahrs`` and ``navigator`` take.
 
 The difference of pressures has a calibration of its own: 2 % of it is 1 % of the airspeed, 10 Pa are 0.2 m/s at 46 m/s
 (the recording of a small aircraft at hand has 3 % and -20 Pa). The temperature probe is within 1 K (own choice).
@@ -105,7 +107,7 @@ while the heading stays: the better the gyros, the longer the filter averages, a
 
 
 def ahrs_parameters(grade: str) -> dict[str, float]:
-    """Parameters of ``ahrs`` for an IMU of a grade, and for :data:`MAGNETOMETER` and :data:`AIR_DATA`.
+    """Parameters of ``ahrs`` for an IMU of a grade, and for :data:`MAGNETOMETER`.
 
     A level that is wrong by a constant tilts the field, which in level flight cannot be told from hard iron: so the
     hard iron that the filter looks for has the errors of the level and of mounting, too. Soft iron turns the needle on
@@ -131,5 +133,4 @@ def ahrs_parameters(grade: str) -> dict[str, float]:
         "mounting_sigma": float(np.linalg.norm([mounting, soft / np.sqrt(2.0), twice])),
         "field_sigma": FIELD_SIGMA[grade],
         "hard_iron_sigma": float(np.linalg.norm(iron)),
-        "airspeed_sigma": AIR_DATA["airspeed_error_sigma"],
     }

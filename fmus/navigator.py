@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples, stations
+from fmus.grades import AIR_DATA
 from models import dme, gauss_markov, gps, kalman, navigator
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
 
@@ -38,13 +39,13 @@ class Navigator(stations.StationTable, Component):
 
     The same filter runs through both: there is no switch-over, hence no step at the switch.
 
-    *Error model.* Wind, airspeed, heading and range biases are Gauss-Markov with the sigmas and times of Table 6.1;
-    the bias's time is 0.5 nmi / V, V the ground speed. Heading's sigma is what the heading reference says of itself
-    (`attitude.heading_sigma`). Gusts are too short to be states: a random walk of position and white noise on GPS
-    velocity with their long-run density. The estimates decay as their models say, wind to `wind_mean` (the thesis keeps
-    the estimates and lets their errors decay, which contradicts each other). The thesis flies with the four states
-    (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves the biases out as it does, and the
-    filter then claims 10 m and is hundreds of metres wrong.
+    *Error model.* Wind, airspeed, heading and range biases are Gauss-Markov with the sigmas and times of Table 6.1; the
+    bias's time is 0.5 nmi / V, V the ground speed. The sigmas of heading and airspeed are what their instruments say of
+    themselves (`attitude.heading_sigma`, `air.true_airspeed_sigma`). Gusts are too short to be states: a random walk of
+    position and white noise on GPS velocity with their long-run density. The estimates decay as their models say, wind
+    to `wind_mean` (the thesis keeps the estimates and lets their errors decay, which contradicts each other). The
+    thesis flies with the four states (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves
+    the biases out as it does, and the filter then claims 10 m and is hundreds of metres wrong.
 
     *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held. The aircraft
     may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed, or the airspeed
@@ -97,6 +98,14 @@ class Navigator(stations.StationTable, Component):
     )
     air = Bundle(
         true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"),
+        true_airspeed_sigma=Input(
+            "m/s",
+            start=AIR_DATA["airspeed_error_sigma"],
+            min=0.0,
+            display_unit="kn",
+            description="standard deviation of true airspeed by its instrument (thesis (3.32), p. 64, has 2.6 m/s of "
+            "the indicated one)",
+        ),
         pressure_altitude=Input("m", display_unit="ft", description="pressure altitude"),
         description="air data",
     )
@@ -138,14 +147,9 @@ class Navigator(stations.StationTable, Component):
     heading_time = Parameter(
         "s", start=120.0, min=1.0, description="correlation time of the heading error (thesis (3.85))"
     )
-    airspeed_sigma = Parameter(
-        "m/s",
-        start=2.6,
-        min=0.0,
-        display_unit="kn",
-        description="standard deviation of the airspeed error (thesis (3.32), p. 64)",
+    airspeed_time = Parameter(
+        "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
     )
-    airspeed_time = Parameter("s", start=400.0, min=1.0, description="its correlation time (thesis (3.32))")
     gust_sigma = Parameter(
         "m/s",
         start=1.524,
@@ -297,7 +301,7 @@ class Navigator(stations.StationTable, Component):
         sigmas = np.concatenate(
             [
                 self.wind_sigma * np.ones((2, 2)),
-                np.hypot(self.airspeed_sigma, doubt)[:, None],
+                np.hypot(self.air.true_airspeed_sigma, doubt)[:, None],
                 np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)[:, None],
                 self.bias_sigma * np.ones((2, PLACES)),
             ],

@@ -10,6 +10,12 @@ At 50 m/s the two differ by 0.5 %. A blocked port keeps the pressure it had: the
 total, the static port the static pressure. What follows is the textbook's: with a blocked pitot tube the airspeed
 rises in a climb like an altimeter and does not answer to speed; with a blocked static port the altitude freezes, and
 the airspeed reads low above the altitude of blocking and high below it.
+
+What errors of the instrument are in true airspeed follows from (1) by its derivative,
+
+    d(q_c / p)/dM = 7/5 M (1 + M^2 / 5)^(5/2).                                                                       (2)
+
+An error of indicated airspeed grows with height: at low Mach numbers as one over the root of the relative density.
 """
 
 from __future__ import annotations
@@ -18,11 +24,20 @@ import numpy as np
 
 from models import atmosphere
 
+LEAST_DIFFERENCE = 1.0
+"""Pa: the airspeed of 1.3 m/s, below which no airspeed indicator shows any."""
+
 
 def impact_ratio(mach):
     """q_c / p of (1)."""
     x = 1.0 + 0.2 * mach * mach
     return x * x * x * np.sqrt(x) - 1.0
+
+
+def impact_slope(mach):
+    """Derivative of q_c / p by M, (2)."""
+    x = 1.0 + 0.2 * mach * mach
+    return 1.4 * mach * x * x * np.sqrt(x)
 
 
 def mach(impact_ratio):
@@ -56,3 +71,29 @@ def true_airspeed(calibrated, static, temperature):
     """True airspeed from calibrated airspeed with the measured static pressure and temperature, m/s."""
     impact = atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND)
     return atmosphere.speed_of_sound(temperature) * mach(impact / static)
+
+
+def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset, probe):
+    """Standard deviation of :func:`true_airspeed` by independent errors of the instrument, m/s.
+
+    To first order, by (2) and by V = a(T) M. Where the difference of pressures is less than its own error the root
+    has no derivative of use, and that of as large a difference stands for it.
+
+    Parameters
+    ----------
+    calibrated, static, temperature
+        As :func:`true_airspeed` takes them, m/s, Pa, K.
+    airspeed
+        Sigma of the calibrated airspeed, m/s.
+    gain, offset
+        Sigmas of the difference of pressures, of :func:`sensed`: relative, and in Pa.
+    probe
+        Sigma of the temperature, K.
+    """
+    least = calibrated_airspeed(np.hypot(offset, LEAST_DIFFERENCE))
+    low = np.maximum(calibrated, least) / atmosphere.SPEED_OF_SOUND
+    difference = atmosphere.PRESSURE * impact_ratio(low)
+    high, sound = mach(difference / static), atmosphere.speed_of_sound(temperature)
+    by_airspeed = atmosphere.PRESSURE * impact_slope(low) / atmosphere.SPEED_OF_SOUND
+    pressure = np.sqrt((by_airspeed * airspeed) ** 2 + (gain * difference) ** 2 + offset**2)
+    return sound * np.hypot(pressure / (static * impact_slope(high)), 0.5 * high * probe / temperature)

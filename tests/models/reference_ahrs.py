@@ -95,11 +95,11 @@ class Reference:
         self.chart_sigma = np.radians(chart.calculate_uncertainty().d)
 
     def aid(self, now, period, air, field_sample):
-        """``air``: (valid, airspeed, time) as last seen, ``field_sample``: (direction's field, time) or None."""
+        """``air``: (valid, airspeed, time, sigma) as last seen, ``field_sample``: (direction's field, time) or None."""
         p = self.p
         fresh = air[0] and now - air[2] <= p["air_timeout"] + 1e-6
         back = fresh and not self.had_air
-        sigma_v = p["airspeed_sigma"] if fresh else p["blind_airspeed_sigma"]
+        sigma_v = air[3] if fresh else p["blind_airspeed_sigma"]
         if back:
             self.x[10] = 0.0
             self.covariance[10, :] = self.covariance[:, 10] = 0.0

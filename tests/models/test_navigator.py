@@ -44,8 +44,16 @@ def north_of_start(time):
 class Flight:
     """The component in the interpreter, flying north with true sensors; what is fed can be changed on the way."""
 
-    def __init__(self, heading_sigma=HEADING_SIGMA, stations=(True, True, False, False, False), step=0.1, **parameters):
+    def __init__(
+        self,
+        heading_sigma=HEADING_SIGMA,
+        airspeed_sigma=2.6,
+        stations=(True, True, False, False, False),
+        step=0.1,
+        **parameters,
+    ):
         self.run = interpret(Navigator, update_period=step, **parameters)
+        self.run.set("air.true_airspeed_sigma", airspeed_sigma)
         self.heading_sigma, self.stations, self.step = heading_sigma, list(stations), step
         self.where = {n: parameters.get(f"station_{n}", STATION[n]) for n in STATION}
         self.k = 0
@@ -172,11 +180,11 @@ def test_altitude_is_pressure_altitude_with_the_offset_learned_from_gps():
 # --- filter ----------------------------------------------------------------------------------------------------------
 
 
-def independent_sigmas(updates, stop):
+def independent_sigmas(updates, stop, airspeed_sigma):
     """North and east sigma of an independent filter: heading as an angle, matrix form, Van Loan's discrete noise,
     geometry by pymap3d. Northbound, so that airspeed moves north and heading moves east."""
     times = np.array([400.0, 400.0, 400.0, 120.0, 926.0 / SPEED, 926.0 / SPEED])
-    sigmas = np.array([5.0, 5.0, 2.6, np.radians(2.5), 315.0, 315.0])
+    sigmas = np.array([5.0, 5.0, airspeed_sigma, np.radians(2.5), 315.0, 315.0])
     f = np.zeros((8, 8))
     f[0, [2, 4]] = f[1, 3] = 1.0
     f[1, 5] = SPEED
@@ -209,14 +217,16 @@ def independent_sigmas(updates, stop):
     return np.sqrt(p[0, 0]), np.sqrt(p[1, 1])
 
 
-@pytest.mark.parametrize("interval", [15, 1])
-def test_sigmas_equal_those_of_an_independent_filter(interval):
-    """A wrong column of F, a bias that is shared, or noise of the wrong density shows."""
-    flight = Flight(bias_sigma=315.0, noise_sigma=7.4).fly(20.0, fix=True).fly(1.0, fix=False)
+@pytest.mark.parametrize(("interval", "airspeed_sigma"), [(15, 2.6), (1, 2.6), (15, 4.2)])
+def test_sigmas_equal_those_of_an_independent_filter(interval, airspeed_sigma):
+    """A wrong column of F, a bias that is shared, noise of the wrong density, or an airspeed that is not believed as
+    its instrument says shows."""
+    flight = Flight(airspeed_sigma=airspeed_sigma, bias_sigma=315.0, noise_sigma=7.4)
+    flight.fly(20.0, fix=True).fly(1.0, fix=False)
     flight.fly(9.0)
     flight.fly(150.0, ranging=interval)
     updates = set(range(30 + interval, 181, interval))
-    north, east = independent_sigmas(updates, 180)
+    north, east = independent_sigmas(updates, 180, airspeed_sigma)
     assert flight["north_sigma"] == pytest.approx(north, rel=5e-3)
     assert flight["east_sigma"] == pytest.approx(east, rel=5e-3)
     assert np.hypot(*flight.error()) < 1.0  # true ranges leave the estimate alone

@@ -17,6 +17,7 @@ SIGNALS = [
     "ahrs.attitude.heading",
     "ahrs.attitude.heading_sigma",
     "air_data.air.true_airspeed",
+    "air_data.air.true_airspeed_sigma",
     "gps.fix.latitude",
     "gps.fix.longitude",
     "gps.fix.velocity_n[1]",
@@ -26,7 +27,7 @@ SIGNALS = [
     "dme.ranging.measured",
     "dme.ranging.sequence",
 ]
-WIND, AIRSPEED = (5.0, 400.0), (2.6, 400.0)
+WIND, AIRSPEED_TIME = (5.0, 400.0), 400.0
 HEADING_TIME = 120.0
 GUST, GUST_LENGTH = 1.524, 533.4
 BIAS, BIAS_LENGTH, RANGE_NOISE = 314.84, 926.0, 7.408
@@ -50,17 +51,17 @@ def run(flights, latitudes, longitudes, altitudes):
     first = truth[:, :1] - way[:, :1]
     order = 8 + stations
     x, p = np.zeros((n, order)), np.zeros((n, order, order))
-    p[:, range(order), range(order)] = (
-        [FIX**2] * 2 + [WIND[0] ** 2] * 2 + [0, AIRSPEED[0] ** 2] + [GUST**2] * 2 + [BIAS**2] * stations
-    )
-    p[:, 4, 4] = flights["ahrs.attitude.heading_sigma"][:, 1] ** 2
+    p[:, range(order), range(order)] = [FIX**2] * 2 + [WIND[0] ** 2] * 2 + [0, 0] + [GUST**2] * 2 + [BIAS**2] * stations
+    instruments = ("ahrs.attitude.heading_sigma", "air_data.air.true_airspeed_sigma")
+    for state, name in enumerate(instruments, 4):
+        p[:, state, state] = flights[name][:, 1] ** 2
     errors, covariances = np.zeros((*truth.shape[:2], 2)), np.zeros((*truth.shape[:2], 2, 2))
     sigma = p[:, range(2, order), range(2, order)] ** 0.5
     for k in range(1, truth.shape[1]):
         now = sigma.copy()
-        now[:, 2] = flights["ahrs.attitude.heading_sigma"][:, k]
+        now[:, 2:4] = np.stack([flights[name][:, k] for name in instruments], -1)
         times = np.empty((n, order - 2))
-        times[:, :4] = WIND[1], WIND[1], HEADING_TIME, AIRSPEED[1]
+        times[:, :4] = WIND[1], WIND[1], HEADING_TIME, AIRSPEED_TIME
         times[:, 4:6] = (GUST_LENGTH / np.maximum(speed[:, k], 1.0))[:, None]
         times[:, 6:] = (BIAS_LENGTH / ground[:, k])[:, None]
         decay = np.exp(-1.0 / times) * np.minimum(1.0, now / np.maximum(sigma, 1e-12))

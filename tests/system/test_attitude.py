@@ -56,6 +56,7 @@ def test_the_fmu_is_the_filter_that_its_equations_say(load, parameters):
     field_time, field_number = column("magnetometer.field.time_of_validity"), column("magnetometer.field.sequence")
     air_time, air_number = column("air_data.air.time_of_validity"), column("air_data.air.sequence")
     air_valid, airspeed = column("air_data.air.valid"), column("air_data.air.true_airspeed")
+    airspeed_sigma = column("air_data.air.true_airspeed_sigma")
     reference, chart = Reference(parameters), pygeomag.GeoMag(coefficients_file="wmm/WMM_2025.COF")
     angles, sigmas, seen, air_seen = [], [], 0, 0
     for k in range(1, len(run)):
@@ -74,7 +75,7 @@ def test_the_fmu_is_the_filter_that_its_equations_say(load, parameters):
             new = field_number[k] != seen
             seen = field_number[k]
             sample = (field_b[k], field_time[k]) if new else None
-            reference.aid(now, 0.5, (bool(air_valid[k]), airspeed[k], air_time[k]), sample)
+            reference.aid(now, 0.5, (bool(air_valid[k]), airspeed[k], air_time[k], airspeed_sigma[k]), sample)
     got = run[[f"ahrs.attitude.{name}" for name in ANGLES]].to_numpy()[1:]
     got_sigmas = run[[f"ahrs.attitude.{name}_sigma" for name in ANGLES]].to_numpy()[1:]
     aligned = run["ahrs.attitude.valid"].to_numpy()[1:]
