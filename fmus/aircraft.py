@@ -184,14 +184,19 @@ class Aircraft(Component):
     gust_sigma = Parameter(
         3,
         "m/s",
-        start=1.5,
+        start=turbulence.GUST_SIGMA,
         min=0.0,
         max=30.0,
         display_unit="kn",
         description="intensity of the gusts along, across and down: 5 ft/s; light turbulence of MIL-F-8785C has 7 ft/s",
     )
     gust_length = Parameter(
-        "m", start=533.4, min=1.0, max=1e5, display_unit="ft", description="scale of turbulence, MIL-F-8785C: 1750 ft"
+        "m",
+        start=turbulence.GUST_LENGTH,
+        min=1.0,
+        max=1e5,
+        display_unit="ft",
+        description="scale of turbulence, MIL-F-8785C: 1750 ft",
     )
     hold_time = Parameter(
         "s",

@@ -6,12 +6,14 @@ import numpy as np
 
 from fmus import examples, stations
 from fmus.grades import AIR_DATA
-from models import dme, gauss_markov, gps, kalman, navigator
+from models import dme, gauss_markov, gps, kalman, navigator, turbulence
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
 
 PLACES = stations.PLACES
 STATES = 2 + navigator.VELOCITIES + PLACES
 LONG_AGO = -1.0e9
+FOREVER = 1.0e12
+"""Correlation time of what is constant, s."""
 BEGUN_ANEW = 1.0e4
 """Variance of a position that is not believed at all, in squares of what it is wrong by."""
 
@@ -26,8 +28,8 @@ class Navigator(stations.StationTable, Component):
 
     every `update_period`, with heading carried from its time of validity to now by the yaw rate (at most 1 s), and h
     positive up. An extended Kalman filter has the perturbations (6.24) as states: north and east position, north and
-    east wind, the error of air velocity along the nose (airspeed) and across it (heading times airspeed), and the bias
-    of the range of each station. It is corrected in two phases:
+    east wind and its mean, the error of air velocity along the nose (airspeed) and across it (heading times airspeed),
+    and the bias of the range of each station. It is corrected in two phases:
 
     - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and velocity. A position beyond the gate is begun
       anew from the fix, without conclusions as to the wind.
@@ -43,9 +45,11 @@ class Navigator(stations.StationTable, Component):
     bias's time is 0.5 nmi / V, V the ground speed. The sigmas of heading and airspeed are what their instruments say of
     themselves (`attitude.heading_sigma`, `air.true_airspeed_sigma`). Gusts are too short to be states: a random walk of
     position and white noise on GPS velocity with their long-run density. The estimates decay as their models say, wind
-    to `wind_mean` (the thesis keeps the estimates and lets their errors decay, which contradicts each other). The
-    thesis flies with the four states (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves
-    the biases out as it does, and the filter then claims 10 m and is hundreds of metres wrong.
+    to its mean over the flight (the thesis keeps the estimates and lets their errors decay, which contradicts each
+    other). That mean is a constant that nobody knows beforehand: forecast `wind_mean` with `wind_mean_sigma`, learned
+    from what GPS shows, and afterwards from ranges, with what is not known of it in the claim. The thesis flies with
+    the four states (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves the biases out as
+    it does, and the filter then claims 10 m and is hundreds of metres wrong.
 
     *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held. The aircraft
     may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed, or the airspeed
@@ -134,7 +138,15 @@ class Navigator(stations.StationTable, Component):
         min=-100.0,
         max=100.0,
         display_unit="kn",
-        description="forecast wind, north and east, to which the estimate decays",
+        description="forecast of the mean wind, north and east",
+    )
+    wind_mean_sigma = Parameter(
+        "m/s",
+        start=8.0,
+        min=0.0,
+        max=100.0,
+        display_unit="kn",
+        description="standard deviation of the mean wind about this forecast, on each axis; 0: it is known",
     )
     wind_sigma = Parameter(
         "m/s",
@@ -152,13 +164,17 @@ class Navigator(stations.StationTable, Component):
     )
     gust_sigma = Parameter(
         "m/s",
-        start=1.524,
+        start=turbulence.GUST_SIGMA,
         min=0.0,
         display_unit="kn",
-        description="intensity of the gusts on each axis; light turbulence of MIL-F-8785C: 5 ft/s",
+        description="intensity of the gusts on each axis: 5 ft/s; light turbulence of MIL-F-8785C has 7 ft/s",
     )
     gust_length = Parameter(
-        "m", start=533.4, min=1.0, display_unit="ft", description="scale of the gusts, MIL-F-8785C: 1750 ft"
+        "m",
+        start=turbulence.GUST_LENGTH,
+        min=1.0,
+        display_unit="ft",
+        description="scale of the gusts, MIL-F-8785C: 1750 ft",
     )
     fix_sigma = Parameter(
         "m",
@@ -266,10 +282,11 @@ class Navigator(stations.StationTable, Component):
     pressure_altitude = State("m", description="last pressure altitude")
     climb = State("m/s", description="filtered vertical speed, positive up")
     wind = State((2, 2), "m/s", description="wind of either filter: north, east")
+    mean_wind = State((2, 2), "m/s", description="its mean over the flight")
     air_error = State((2, 2), "m/s", description="to be added to the measured air velocity: along the nose, across")
     range_bias = State((2, PLACES), "m", description="bias of each station's ranges")
     modelled = State(
-        (2, STATES - 2), "1", description="standard deviations of wind, air_error and range_bias; m/s and m"
+        (2, STATES - 2), "1", description="standard deviations of wind, its mean, air_error and range_bias"
     )
     airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
     nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
@@ -301,6 +318,7 @@ class Navigator(stations.StationTable, Component):
         sigmas = np.concatenate(
             [
                 self.wind_sigma * np.ones((2, 2)),
+                self.wind_mean_sigma * np.ones((2, 2)),
                 np.hypot(self.air.true_airspeed_sigma, doubt)[:, None],
                 np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)[:, None],
                 self.bias_sigma * np.ones((2, PLACES)),
@@ -311,6 +329,7 @@ class Navigator(stations.StationTable, Component):
         times = np.concatenate(
             [
                 self.wind_time * np.ones((2, 2)),
+                FOREVER * np.ones((2, 2)),
                 own * np.where(seen, np.stack([self.airspeed_time, self.heading_time]), self.blind_time),
                 bias_time[:, None] * np.ones(PLACES),
             ],
@@ -343,14 +362,14 @@ class Navigator(stations.StationTable, Component):
         sigmas, times = self.error_model(np.sqrt(np.sum(before * before, axis=-1)), seen)
         decay = np.exp(-step / times)
         factor, added = navigator.follow(self.modelled, sigmas, decay)
-        air_error = factor[:, 2:4] * self.air_error
-        wind = self.wind_mean + factor[:, :2] * (self.wind - self.wind_mean)
+        air_error = factor[:, 4:6] * self.air_error
+        wind = self.mean_wind + factor[:, :2] * (self.wind - self.mean_wind)
 
         age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
         heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
         airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
         rows = navigator.velocity_rows(heading)
-        now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 2:].T
+        now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 4:].T
         over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)
         latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground.T, step)
         walk = self.gusts(step) * step * step
@@ -360,7 +379,7 @@ class Navigator(stations.StationTable, Component):
         self.longitude = np.where(running, longitude, self.longitude)
         self.wind = np.where(running, wind, self.wind)
         self.air_error = np.where(running, air_error, self.air_error)
-        self.range_bias = factor[:, 4:] * self.range_bias
+        self.range_bias = factor[:, 6:] * self.range_bias
         self.covariances = np.where(running, covariances, self.covariances)
         self.modelled = sigmas
         self.nose = heading
@@ -382,6 +401,7 @@ class Navigator(stations.StationTable, Component):
         latitude = np.where(first, self.fix.latitude, self.latitude)
         longitude = np.where(first, self.fix.longitude, self.longitude)
         self.wind = np.where(first, self.wind_mean, self.wind)
+        self.mean_wind = np.where(first, self.wind_mean, self.mean_wind)
         start_covariances = np.stack([kalman.of_variances(start[0]), kalman.of_variances(start[1])])
         covariances = np.where(first, start_covariances, self.covariances)
 
@@ -424,10 +444,11 @@ class Navigator(stations.StationTable, Component):
         self.latitude, self.longitude = navigator.advance(
             self.latitude, self.longitude, self.altitude, correction[:, :2].T, 1.0
         )
-        self.wind = self.wind + correction[:, 2:4]
-        self.air_error = self.air_error + correction[:, 4:6]
-        self.air_velocity = self.air_velocity + correction[:, 4:6] @ navigator.velocity_rows(self.nose)[:, 2:].T
-        self.range_bias = self.range_bias + correction[:, 6:]
+        self.wind = self.wind + correction[:, 2:4] + correction[:, 4:6]
+        self.mean_wind = self.mean_wind + correction[:, 4:6]
+        self.air_error = self.air_error + correction[:, 6:8]
+        self.air_velocity = self.air_velocity + correction[:, 6:8] @ navigator.velocity_rows(self.nose)[:, 4:].T
+        self.range_bias = self.range_bias + correction[:, 8:]
 
     def calibrating(self):
         """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
@@ -497,7 +518,7 @@ class Navigator(stations.StationTable, Component):
         self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
 
         was_against = self.refused_time > self.range_time
-        moved = north * correction[:, :1] + east * correction[:, 1:2] + correction[:, 6:]
+        moved = north * correction[:, :1] + east * correction[:, 1:2] + correction[:, 8:]
         self.innovation = np.where(measured, innovation, self.innovation) - moved
         self.range_time = np.where(taken, moment, self.range_time)
         self.refused_time = np.where(refused, moment, self.refused_time)
@@ -519,7 +540,8 @@ class Navigator(stations.StationTable, Component):
         told = np.where(heeded & (self.prior > 0.0), told * np.where(by_first, 1.0, news), 0.0)
         least = self.least_odds()
         self.log_odds = np.maximum(self.log_odds + np.sum(told), least)
-        estimates = np.concatenate([self.wind[0] - self.wind_mean, self.air_error[0], self.range_bias[0]])
+        winds = self.wind[0] - self.mean_wind[0], self.mean_wind[0] - self.wind_mean
+        estimates = np.concatenate([*winds, self.air_error[0], self.range_bias[0]])
         improbable = navigator.improbable(estimates, self.modelled[0], self.estimate_limit)
         heard = (self.prior > 0.0) & np.any(heeded)
         self.doubted = self.doubted | (heard & (improbable | (self.log_odds > -2.0 * least)))

@@ -1,13 +1,14 @@
 """DME-aided dead reckoning: navigation equations, the filter's error model, and when its state is not to be believed.
 
 Thesis section 5.3 (dead reckoning) and 6.4 (filter). The filter's states are the perturbations of (6.24) without
-altitude, with one range bias for each station:
+altitude, with the mean of the wind, and one range bias for each station:
 
-    [dp_n, dp_e, dV_NS, dV_EW, dV, V dpsi, dR_1 .. dR_m]
+    [dp_n, dp_e, dV_NS, dV_EW, dM_NS, dM_EW, dV, V dpsi, dR_1 .. dR_m]
 
-position (m) and wind (m/s) north and east; what is to be added to the measured air velocity along and across the nose
+position (m) north and east; the wind's deviation from its mean over the flight, and that mean, which is constant (m/s);
+what is to be added to the measured air velocity along and across the nose
 (m/s): airspeed, and heading times airspeed; range biases (m). The truth is the estimate plus the perturbation. All but
-position are first-order Gauss-Markov.
+position and the mean are first-order Gauss-Markov.
 
 Across the nose a velocity stands in place of the angle of (6.26), so that the equations are linear at every error of
 heading, however large.
@@ -19,8 +20,8 @@ import numpy as np
 
 from models import attitude, earth, kalman
 
-VELOCITIES = 4
-"""Wind and air velocity errors, which position integrates; they follow position in the state vector."""
+VELOCITIES = 6
+"""Wind, its mean, and air velocity errors, which position integrates; they follow position in the state vector."""
 
 
 def air_velocity(true_airspeed, heading):
@@ -30,10 +31,11 @@ def air_velocity(true_airspeed, heading):
 
 
 def velocity_rows(heading):
-    """Derivatives of north and east velocity by wind (north, east) and air velocity error (along, across the nose),
-    shape (2, 4); rows 1 and 2, columns 4 to 7 of F (6.26), the column of heading divided by V."""
+    """Derivatives of north and east velocity by the wind's deviation and its mean (north, east) and by air velocity
+    error (along, across the nose), shape (2, 6); rows 1 and 2, columns 4 to 7 of F (6.26), those of wind twice, the one
+    of heading divided by V."""
     sine, cosine = np.sin(heading), np.cos(heading)
-    return np.array([[1.0, 0.0, cosine, -sine], [0.0, 1.0, sine, cosine]])
+    return np.array([[1.0, 0.0, 1.0, 0.0, cosine, -sine], [0.0, 1.0, 0.0, 1.0, sine, cosine]])
 
 
 def advance(latitude, longitude, altitude, velocity, time):
@@ -82,9 +84,9 @@ def propagate(upper, step, rows, factor, added, walk):
     upper
         Packed covariance of n states; leading axes are free, here and in all that follows.
     rows
-        Derivatives of velocity, shape (2, 4), of :func:`velocity_rows`.
+        Derivatives of velocity, shape (2, 6), of :func:`velocity_rows`.
     factor, added
-        Of the n - 2 Gauss-Markov states, from :func:`follow`.
+        Of the other n - 2 states, from :func:`follow`.
     walk
         Variance of the random walk of position on each axis, m^2.
     """

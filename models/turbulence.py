@@ -26,6 +26,8 @@ import numpy as np
 
 from models.earth import STANDARD_GRAVITY
 
+GUST_SIGMA, GUST_LENGTH = 1.5, 533.4
+"""Intensity of the gusts that are flown in and allowed for, m/s (5 ft/s), and their scale, m (1750 ft)."""
 TERMS = 12
 """Of the series in ``response``: with |x| < 4, the largest that parameters allow, what is left out is below 1e-16."""
 

@@ -106,7 +106,7 @@ def add_variants(system: SystemSource) -> None:
         system.variant(name, parameters={"dme": {"mode": mode}}, description=f"DME receiver: {name.replace('_', ' ')}")
     system.variant(
         "r_as_printed",
-        parameters={"navigator": {"bias_sigma": 0.0, "innovation_gate": 0.0, "prior": 0.0}},
+        parameters={"navigator": {"bias_sigma": 0.0, "innovation_gate": 0.0, "prior": 0.0, "wind_mean_sigma": 0.0}},
         description="thesis (6.40) as printed: the range bias is left out of the measurement noise; overconfident",
     )
     for grade in sorted(GRADES.keys() - {BASE_GRADE}):

@@ -1,8 +1,8 @@
 """A quick model of the backup navigator for many seeds at once, on a plane, with the filter's own functions.
 
 Sensors are what the thesis's error models say and nothing else (no AHRS, no pitot tube): heading a Gauss-Markov
-process of 2.5 degrees and 120 s (3.84), airspeed 2.6 m/s and 400 s, wind 5 m/s and 400 s, DME 315 m and 0.5 nmi with
-7.4 m.
+process of 2.5 degrees and 120 s (3.84), airspeed 2.6 m/s and 400 s, wind 5 m/s and 400 s about a mean of 0 that is
+known, DME 315 m and 0.5 nmi with 7.4 m.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ def run(seeds, mode=3, aided=True, as_printed=False, step=1.0):
     bias = dme.BIAS_SIGMA * rng.standard_normal((seeds, 2))
     sigma = 0.0 if as_printed else dme.BIAS_SIGMA
     # the air's own speed varies by some 10 %, and with it what an angle of heading makes across the nose
-    sigmas = np.array([wind_model[0]] * 2 + [air_model[0], SPEED * heading_model[0]] + [sigma] * 2)
-    times = np.array([wind_model[1]] * 2 + [air_model[1], heading_model[1]] + [926.0 / SPEED] * 2)
+    sigmas = np.array([wind_model[0]] * 2 + [0.0] * 2 + [air_model[0], SPEED * heading_model[0]] + [sigma] * 2)
+    times = np.array([wind_model[1]] * 2 + [1e12] * 2 + [air_model[1], heading_model[1]] + [926.0 / SPEED] * 2)
     factor, added = navigator.follow(sigmas, sigmas, np.exp(-step / times))
     upper = np.tile(kalman.of_variances(np.array([4.0, 4.0, *sigmas**2])), (seeds, 1))
-    place, estimate = position[0] + np.zeros((seeds, 2)), np.zeros((seeds, 6))
+    place, estimate = position[0] + np.zeros((seeds, 2)), np.zeros((seeds, 8))
     before = None
     errors, covariances = np.empty((len(time), seeds, 2)), np.empty((len(time), seeds, 2, 2))
     for k, now in enumerate(time):
@@ -64,9 +64,9 @@ def run(seeds, mode=3, aided=True, as_printed=False, step=1.0):
         if before is not None:
             estimate = estimate * factor
             upper = navigator.propagate(upper, step, rows, factor, added, 0.0)
-        ground = speed[:, None] * rows[:, :, 2] + np.einsum("sij,sj->si", rows, estimate[:, :4])
+        ground = speed[:, None] * rows[:, :, 4] + np.einsum("sij,sj->si", rows, estimate[:, :6])
         place = place + (0.0 if before is None else 0.5 * step * (before + ground))
-        correction = np.zeros((seeds, 8))
+        correction = np.zeros((seeds, 10))
         if now <= LOSS:
             seen = position[k] + 2.0 * rng.standard_normal((seeds, 2)) - place
             felt = velocity[k] + 0.1 * rng.standard_normal((seeds, 2)) - ground
@@ -83,13 +83,13 @@ def run(seeds, mode=3, aided=True, as_printed=False, step=1.0):
                 upper,
                 sight[..., 0] / distance,
                 sight[..., 1] / distance,
-                reading - distance - estimate[:, 4:],
+                reading - distance - estimate[:, 6:],
                 np.full(2, dme.NOISE_SIGMA**2),
                 np.isin([0, 1], due),
                 0.0,
             )
         place, estimate = place + correction[:, :2], estimate + correction[:, 2:]
-        before = speed[:, None] * rows[:, :, 2] + np.einsum("sij,sj->si", rows, estimate[:, :4])
+        before = speed[:, None] * rows[:, :, 4] + np.einsum("sij,sj->si", rows, estimate[:, :6])
         errors[k] = place - position[k]
         covariances[k] = kalman.unpack(upper)[:, :2, :2]
         wind = gauss_markov(rng, wind, *wind_model, step)

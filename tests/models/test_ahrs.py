@@ -207,7 +207,7 @@ def test_an_innovation_that_does_not_fit_raises_the_level_to_where_it_is_three_s
 
 
 def test_a_gust_along_is_no_noise_that_lasts():
-    """The difference of a Gauss-Markov gust of 1.5 m/s and 11.5 s (light turbulence at 90 kn) in steps of 0.5 s, which
+    """The difference of a Gauss-Markov gust of 1.5 m/s and 11.5 s (5 ft/s at 90 kn) in steps of 0.5 s, which
     the airspeed shows and the force does not, beside white noise of level 1 (4 degrees): single innovations have
     1 + 2 * 1.5^2 (1 - exp(-0.5 / 11.5)) / 0.342^2 = 2.6 of its variance, sums over the window 1.6. The mean level of
     200 runs has a standard error of 0.02; one that a single innovation raises is 2.0.

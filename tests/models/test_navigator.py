@@ -155,9 +155,9 @@ def test_a_late_heading_is_carried_forward_by_the_yaw_rate():
 
 
 def test_wind_is_learned_from_gps_and_used_when_it_is_gone():
-    """True ground speed 46.3 m/s, airspeed 40 m/s: the wind of 6.3 m/s decays to its forecast with 400 s."""
+    """The wind decays to its forecast of 6.3 m/s, of which the navigator is sure, with 400 s."""
     certain = {"heading_sigma": 0.0, "airspeed_sigma": 0.0, "gust_sigma": 0.0}
-    flight = Flight(wind_mean=(6.3, 0.0), wind_sigma=5.0, **certain)
+    flight = Flight(wind_mean=(6.3, 0.0), wind_mean_sigma=0.0, wind_sigma=5.0, **certain)
     flight.fly(60.0, fix=True)
     ideal = Flight(wind_time=1e9, **certain)
     ideal.fly(60.0, fix=True)
@@ -168,6 +168,26 @@ def test_wind_is_learned_from_gps_and_used_when_it_is_gone():
     flight.fly(100.0)
     decayed = 6.3 + (before - 6.3) * np.exp(-100.0 / 400.0)
     assert flight["solution.wind_n"][0] == pytest.approx(decayed, rel=1e-6)
+
+
+def test_a_mean_wind_that_nobody_told_is_learned_as_far_as_it_can_be():
+    """Of a Gauss-Markov wind that is seen for the time T, its mean is known to 1 / I = 2 sigma^2 / (2 + T / tau) (the
+    information of a stationary Ornstein-Uhlenbeck path on its mean). With a prior sigma S the mean of a steady wind w
+    is w I / (I + 1 / S^2), which is left of the wind later on. A wind that decays to zero has 0 for it."""
+    wind, s, tau, seen = 12.0, 8.0, 400.0, 400.0
+    flight = Flight(heading_sigma=0.0, airspeed_sigma=0.0, gust_sigma=0.0, wind_mean=(wind, 0.0), wind_mean_sigma=s)
+    flight.fly(seen, fix=True)  # there is no wind: the forecast is wrong by 12 m/s
+    information = (2.0 + seen / tau) / (2.0 * 5.0**2)
+    mean = wind - wind * information / (information + s**-2)
+    assert flight["mean_wind"][0][0] == pytest.approx(mean, rel=0.01)
+    covariance = kalman.unpack(flight["covariances"][0])
+    assert covariance[4, 4] == pytest.approx(1.0 / (information + s**-2), rel=0.01)
+    before = flight["solution.wind_n"][0]
+    assert before == pytest.approx(0.0, abs=0.1)
+    flight.fly(4.0)
+    flight.fly(200.0)
+    kept = mean + (before - mean) * np.exp(-204.0 / tau)
+    assert flight["solution.wind_n"][0] == pytest.approx(kept, abs=0.03)
 
 
 def test_altitude_is_pressure_altitude_with_the_offset_learned_from_gps():
@@ -183,37 +203,37 @@ def test_altitude_is_pressure_altitude_with_the_offset_learned_from_gps():
 def independent_sigmas(updates, stop, airspeed_sigma):
     """North and east sigma of an independent filter: heading as an angle, matrix form, Van Loan's discrete noise,
     geometry by pymap3d. Northbound, so that airspeed moves north and heading moves east."""
-    times = np.array([400.0, 400.0, 400.0, 120.0, 926.0 / SPEED, 926.0 / SPEED])
-    sigmas = np.array([5.0, 5.0, airspeed_sigma, np.radians(2.5), 315.0, 315.0])
-    f = np.zeros((8, 8))
-    f[0, [2, 4]] = f[1, 3] = 1.0
+    times = np.array([400.0, 400.0, 400.0, 120.0, 926.0 / SPEED, 926.0 / SPEED, np.inf, np.inf])
+    sigmas = np.array([5.0, 5.0, airspeed_sigma, np.radians(2.5), 315.0, 315.0, 8.0, 8.0])
+    f = np.zeros((10, 10))
+    f[0, [2, 4, 8]] = f[1, [3, 9]] = 1.0
     f[1, 5] = SPEED
     f[2:, 2:] = -np.diag(1.0 / times)
-    walk = 2.0 * 1.524**2 * 533.4 / SPEED
+    walk = 2.0 * 1.5**2 * 533.4 / SPEED
     q = np.diag([walk, walk, *(2.0 * sigmas**2 / times)])
-    van_loan = linalg.expm(np.block([[-f, q], [np.zeros((8, 8)), f.T]]) * 1.0)
-    phi = van_loan[8:, 8:].T
-    noise = phi @ van_loan[:8, 8:]
+    van_loan = linalg.expm(np.block([[-f, q], [np.zeros((10, 10)), f.T]]) * 1.0)
+    phi = van_loan[10:, 10:].T
+    noise = phi @ van_loan[:10, 10:]
     p = np.diag([4.0, 4.0, *sigmas**2])
     for t in range(1, stop + 1):
         if t > 1:
             p = phi @ p @ phi.T + noise
         if t <= 20:
-            h = np.concatenate([np.eye(8)[:2], f[:2]])
+            h = np.concatenate([np.eye(10)[:2], f[:2]])
             # the first fix finds a navigator without an earlier one, and its velocity is all news
-            gusts = 1.524**2 * (1.0 if t == 1 else 1.0 / np.tanh(0.5 * SPEED / 533.4))
+            gusts = 1.5**2 * (1.0 if t == 1 else 1.0 / np.tanh(0.5 * SPEED / 533.4))
             r = np.diag([4.0, 4.0, 0.01 + gusts, 0.01 + gusts])
         elif t in updates:
             here = (north_of_start(t), LONGITUDE, ALTITUDE)
             e, n, u = pymap3d.geodetic2enu(*(STATION[k][:2] for k in STATION), *here, deg=False)
-            h = np.zeros((2, 8))
+            h = np.zeros((2, 10))
             h[:, 0], h[:, 1] = -n / np.sqrt(e * e + n * n + u * u), -e / np.sqrt(e * e + n * n + u * u)
-            h[:, 6:] = np.eye(2)
+            h[:, 6:8] = np.eye(2)
             r = np.eye(2) * 7.4**2
         else:
             continue
         gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + r)
-        p = (np.eye(8) - gain @ h) @ p @ (np.eye(8) - gain @ h).T + gain @ r @ gain.T
+        p = (np.eye(10) - gain @ h) @ p @ (np.eye(10) - gain @ h).T + gain @ r @ gain.T
     return np.sqrt(p[0, 0]), np.sqrt(p[1, 1])
 
 
@@ -252,27 +272,27 @@ def test_errors_are_what_the_filter_says_where_it_models_what_happens():
     """400 runs of what the filter models, with a heading that turns and a sigma that changes: the mean NEES of all
     states is chi-square. Bound 1e-6."""
     rng = np.random.default_rng(4)
-    runs, step, states = 400, 1.0, 8
-    times = np.array([400.0, 400.0, 400.0, 120.0, 20.0, 20.0])
-    sigmas = np.array([5.0, 5.0, 2.6, 2.0, 315.0, 315.0])
+    runs, step, states = 400, 1.0, 10
+    times = np.array([400.0, 400.0, 1e12, 1e12, 400.0, 120.0, 20.0, 20.0])
+    sigmas = np.array([5.0, 5.0, 8.0, 8.0, 2.6, 2.0, 315.0, 315.0])
     decay = np.exp(-step / times)
     upper = np.tile(kalman.of_variances(np.array([100.0, 100.0, *sigmas**2])), (runs, 1))
     truth = np.sqrt(kalman.diagonal(upper)) * rng.standard_normal((runs, states))
     estimate, before = np.zeros((runs, states)), sigmas
     for k in range(1, 301):
-        now = sigmas * np.array([1.0, 1.0, 1.0, 1.0 + (k > 100) * 4.0 * (k < 150), 1.0, 1.0])
+        now = sigmas * np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0 + (k > 100) * 4.0 * (k < 150), 1.0, 1.0])
         factor, added = navigator.follow(before, now, decay)
         rows = navigator.velocity_rows(0.05 * k)
         upper = navigator.propagate(upper, step, rows, factor, added, 25.0)
         for state in (truth, estimate):
-            state[:, :2] += step * state[:, 2:6] @ rows.T
+            state[:, :2] += step * state[:, 2:8] @ rows.T
             state[:, 2:] *= factor
         truth[:, :2] += 5.0 * rng.standard_normal((runs, 2))
         truth[:, 2:] += np.sqrt(added) * rng.standard_normal((runs, states - 2))
         before = now
         if k % 5 == 0:
             north, east = np.cos([0.01 * k, 0.01 * k + 1.5]), np.sin([0.01 * k, 0.01 * k + 1.5])
-            h = np.concatenate([np.stack([north, east], -1), np.zeros((2, 4)), np.eye(2)], 1)
+            h = np.concatenate([np.stack([north, east], -1), np.zeros((2, 6)), np.eye(2)], 1)
             residual = (truth - estimate) @ h.T + 7.4 * rng.standard_normal((runs, 2))
             correction = np.zeros((runs, states))
             for station in range(2):
@@ -386,9 +406,9 @@ def within_three_sigma(flight):
     )
 
 
-def lost(stations_up):
+def lost(stations_up, **parameters):
     """A navigator that has flown for 20 minutes with a heading wrong by 28 degrees at a claimed 1.5, unnoticed."""
-    flight = Flight(heading_sigma=np.radians(1.5), stations=stations_up, step=1.0, **FIVE)
+    flight = Flight(heading_sigma=np.radians(1.5), stations=stations_up, step=1.0, **FIVE, **parameters)
     return flight.fly(60.0, fix=True).fly(1.0, fix=False).fly(1200.0, wrong=WRONG)
 
 
@@ -407,10 +427,11 @@ def test_ranges_that_agree_with_one_another_are_believed_against_the_state():
     assert not flight["doubted"]
 
 
-@pytest.mark.parametrize("up", [[1, 4], [4]])
-def test_few_stations_are_believed_too_and_sigma_says_what_they_leave_open(up):
-    """Two ranges fix the position, one leaves it open across its line of sight."""
-    flight = lost([station in up for station in range(5)])
+@pytest.mark.parametrize(("up", "mean_sigma"), [([1, 4], 8.0), ([4], 0.0)])
+def test_few_stations_are_believed_too_and_sigma_says_what_they_leave_open(up, mean_sigma):
+    """Two ranges fix the position, one leaves it open across its line of sight; and one tells a wrong heading from a
+    wind of the same 22 m/s only where the mean of the wind is known."""
+    flight = lost([station in up for station in range(5)], wind_mean_sigma=mean_sigma)
     flight.fly(300.0, ranging=15.0, wrong=WRONG)
     assert flight["doubted"]
     assert within_three_sigma(flight)

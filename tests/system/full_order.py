@@ -27,9 +27,9 @@ SIGNALS = [
     "dme.ranging.measured",
     "dme.ranging.sequence",
 ]
-WIND, AIRSPEED_TIME = (5.0, 400.0), 400.0
+WIND, MEAN, AIRSPEED_TIME = (5.0, 400.0), 8.0, 400.0
 HEADING_TIME = 120.0
-GUST, GUST_LENGTH = 1.524, 533.4
+GUST, GUST_LENGTH = 1.5, 533.4
 BIAS, BIAS_LENGTH, RANGE_NOISE = 314.84, 926.0, 7.408
 FIX, FIX_VELOCITY = 2.0, 0.1
 
@@ -47,11 +47,13 @@ def run(flights, latitudes, longitudes, altitudes):
     truth = _metres(flights, "aircraft", flights)
     fix = _metres(flights, "gps.fix", flights)
     ground = np.linalg.norm(np.gradient(truth, axis=1), axis=-1)
-    # states: truth minus what the instruments say; p n e, wind n e, heading, airspeed, gust n e, biases
+    # states: truth minus what the instruments say; p n e, wind n e, heading, airspeed, gust n e, mean wind n e, biases
     first = truth[:, :1] - way[:, :1]
-    order = 8 + stations
+    order = 10 + stations
     x, p = np.zeros((n, order)), np.zeros((n, order, order))
-    p[:, range(order), range(order)] = [FIX**2] * 2 + [WIND[0] ** 2] * 2 + [0, 0] + [GUST**2] * 2 + [BIAS**2] * stations
+    p[:, range(order), range(order)] = (
+        [FIX**2] * 2 + [WIND[0] ** 2] * 2 + [0, 0] + [GUST**2] * 2 + [MEAN**2] * 2 + [BIAS**2] * stations
+    )
     instruments = ("ahrs.attitude.heading_sigma", "air_data.air.true_airspeed_sigma")
     for state, name in enumerate(instruments, 4):
         p[:, state, state] = flights[name][:, 1] ** 2
@@ -63,7 +65,8 @@ def run(flights, latitudes, longitudes, altitudes):
         times = np.empty((n, order - 2))
         times[:, :4] = WIND[1], WIND[1], HEADING_TIME, AIRSPEED_TIME
         times[:, 4:6] = (GUST_LENGTH / np.maximum(speed[:, k], 1.0))[:, None]
-        times[:, 6:] = (BIAS_LENGTH / ground[:, k])[:, None]
+        times[:, 6:8] = 1e12
+        times[:, 8:] = (BIAS_LENGTH / ground[:, k])[:, None]
         decay = np.exp(-1.0 / times) * np.minimum(1.0, now / np.maximum(sigma, 1e-12))
         nose = 0.5 * (heading[:, k] + heading[:, k - 1])
         b = _by_velocity(nose, speed[:, k], order)
@@ -90,7 +93,7 @@ def run(flights, latitudes, longitudes, altitudes):
             )  # fmt: skip
             length = np.sqrt(e * e + north * north + u * u)
             h = np.zeros((n, stations, order))
-            h[:, :, 0], h[:, :, 1], h[:, :, 8:] = north / length, e / length, np.eye(stations)
+            h[:, :, 0], h[:, :, 1], h[:, :, 10:] = north / length, e / length, np.eye(stations)
             z = flights["dme.ranging.slant_range"][:, k, :stations] - length + (h[..., :2] @ here[..., None])[..., 0]
             measured = flights["dme.ranging.measured"][:, k, :stations] > 0.5
             h = h * measured[..., None]
@@ -117,7 +120,7 @@ def _metres(flights, of, about):
 def _by_velocity(heading, speed, order):
     """Derivatives of north and east velocity by the states."""
     b = np.zeros((len(heading), 2, order))
-    b[:, [0, 1], [2, 3]] = b[:, [0, 1], [6, 7]] = 1.0
+    b[:, [0, 1], [2, 3]] = b[:, [0, 1], [6, 7]] = b[:, [0, 1], [8, 9]] = 1.0
     b[:, 0, 4], b[:, 1, 4] = -speed * np.sin(heading), speed * np.cos(heading)
     b[:, 0, 5], b[:, 1, 5] = np.cos(heading), np.sin(heading)
     return b
