@@ -1,7 +1,8 @@
 """How well a navigator did on a flight, and whether it knew: errors, normalised squared errors, time lost.
 
 A normalised squared error is that of an honest filter when its mean is the number of its components: 1 for an angle, 2
-for a position. Its interval follows from the scatter of the seeds, which are independent; samples of a run are not.
+for a position. Its interval follows from the scatter of the seeds, which are independent; samples of a run are not: its
+mean over a run scatters as chi-square over as many degrees of freedom as their correlation leaves (:func:`freedom`).
 """
 
 from __future__ import annotations
@@ -50,6 +51,12 @@ class Angle:
     rms: float
     nees: Mean
     inside: Mean
+    freedom: float
+    runs: int
+
+    def worst(self, chance: float) -> float:
+        """Normalised squared error that the worst of the runs of an honest filter exceeds with this probability."""
+        return worst(1.0, self.freedom, self.runs, chance)
 
 
 @dataclass(frozen=True)
@@ -66,20 +73,58 @@ class Position:
     rejected: float
     lost: float
     longest: float
+    freedom: float
+    runs: int
+
+    def worst(self, chance: float) -> float:
+        """As that of an angle."""
+        return worst(2.0, self.freedom, self.runs, chance)
+
+
+def worst(honest: float, freedom: float, runs: int, chance: float) -> float:
+    """What the largest of so many independent means exceeds with the probability ``chance``: each is ``honest`` times
+    chi-square over its degrees of freedom."""
+    return float(honest * stats.chi2.isf(1.0 - (1.0 - chance) ** (1.0 / runs), freedom) / freedom)
+
+
+def freedom(errors: np.ndarray) -> float:
+    """Degrees of freedom of the mean of the squares of one run.
+
+    The mean of x^2 over N samples of a normal process of mean zero with the autocorrelation rho has a variance of
+    2 / nu of its own square, 1 / nu = sum over all lags k of (1 - |k| / N) rho(k)^2 / N (Isserlis; Bartlett). rho is
+    that of all runs together, so that a part which stays for a run, and differs from run to run, counts as such.
+
+    Parameters
+    ----------
+    errors
+        Over their sigma, shape (run, sample).
+    """
+    count = errors.shape[1]
+    spectrum = np.abs(np.fft.rfft(errors, 2 * count, axis=1)) ** 2
+    sums = np.fft.irfft(np.mean(spectrum, axis=0), 2 * count)[:count]
+    weights = 1.0 - np.arange(count) / count
+    rho = np.clip(sums / weights / max(sums[0], 1.0e-300), -1.0, 1.0)
+    return float(count / (2.0 * np.sum(weights * rho**2) - 1.0))
 
 
 def angle(runs: list[pd.DataFrame], name: str) -> Angle:
     """Of one of ANGLES, over all seconds after the filter has settled."""
-    squares, normalised, inside = [], [], []
+    squares, ratios = [], []
     for run in runs:
         run = run[run.index > SETTLED]
         error = run[f"ahrs.attitude.{name}"] - run[f"aircraft.{name}"]
         error = (error + np.pi) % (2.0 * np.pi) - np.pi
         ratio = error / run[f"ahrs.attitude.{name}_sigma"]
         squares.append(np.mean(error**2))
-        normalised.append(np.mean(ratio**2))
-        inside.append(100.0 * np.mean(np.abs(ratio) <= 3.0))
-    return Angle(float(np.degrees(np.sqrt(np.mean(squares)))), Mean.of(np.array(normalised)), Mean.of(np.array(inside)))
+        ratios.append(ratio.to_numpy())
+    every = np.array(ratios)
+    return Angle(
+        rms=float(np.degrees(np.sqrt(np.mean(squares)))),
+        nees=Mean.of(np.mean(every**2, axis=1)),
+        inside=Mean.of(100.0 * np.mean(np.abs(every) <= 3.0, axis=1)),
+        freedom=freedom(every),
+        runs=len(runs),
+    )
 
 
 def angles(flown: Flown) -> dict[str, Angle]:
@@ -93,29 +138,35 @@ def position(runs: list[pd.DataFrame]) -> Position:
     runs = [run[run.index > LOST] for run in runs]
     error = np.array([run["evaluation.horizontal_error"].to_numpy() for run in runs])
     inside = np.array([run["evaluation.consistent"].to_numpy(bool) for run in runs])
-    normalised = [np.mean(normalised_squares(run)) for run in runs]
+    whitened = np.array([white(run) for run in runs])
+    normalised = np.mean(np.sum(whitened**2, axis=1), axis=1)
     gone = [stretch for each in inside for stretch in stretches(~each) if stretch > GONE]
     return Position(
         median=float(np.median(error)),
         percentile=float(np.percentile(error, 95, method="higher")),
         largest=float(np.max(error)),
         above=float(100.0 * np.mean(~(error <= LIMIT))),
-        nees=Mean.of(np.array(normalised)),
+        nees=Mean.of(normalised),
         inside=Mean.of(100.0 * np.mean(inside, axis=1)),
         used=float(np.mean([run["navigator.used"].iloc[-1] for run in runs])),
         rejected=float(np.mean([run["navigator.rejected"].iloc[-1] for run in runs])),
         lost=sum(gone) / 60.0 / len(runs),
         longest=max(gone, default=0.0) / 60.0,
+        freedom=2.0 * freedom(np.nan_to_num(whitened.reshape(-1, whitened.shape[-1]))),
+        runs=len(runs),
     )
 
 
-def normalised_squares(run: pd.DataFrame) -> np.ndarray:
-    """e' P^-1 e of the position with the whole covariance: where one station leaves a long and narrow uncertainty, the
-    error along its line of sight counts for what it is."""
+def white(run: pd.DataFrame) -> np.ndarray:
+    """L^-1 e of the position, P = L L', shape (2, sample).
+
+    Its square is e' P^-1 e with the whole covariance: where one station leaves a long and narrow uncertainty, the error
+    along its line of sight counts for what it is.
+    """
     north, east = (run[f"evaluation.{axis}_error"] for axis in ("north", "east"))
     nn, ee = (run[f"navigator.{axis}_sigma"] ** 2 for axis in ("north", "east"))
     ne = run[NORTH_EAST]
-    return ((north**2 * ee - 2.0 * north * east * ne + east**2 * nn) / (nn * ee - ne**2)).to_numpy()
+    return np.array([north / np.sqrt(nn), (east - ne / nn * north) / np.sqrt(ee - ne**2 / nn)])
 
 
 def stretches(flags: np.ndarray) -> list[int]:

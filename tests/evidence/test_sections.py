@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import html
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pygeomag
 import pytest
 from click.testing import CliRunner
+from scipy import stats
 
 from benchmarks.contest import Contest
 from evidence import __main__ as command
@@ -200,7 +203,7 @@ def test_recorded_flights_say_whether_the_filters_know_their_error():
         claims = real_flights.Judged(flown(**wrong)).claims()
         assert any(told in claim.sentence for claim in claims if not claim.holds), told
     attitude, position = real_flights.titles([real_flights.Judged(flown(attitude=1.5))])
-    assert attitude == "Attitude: 4 of 7 claims on its sigmas hold"
+    assert attitude == "Attitude: 7 of 10 claims on its sigmas hold"
     assert position == "Position without GPS: as wrong as it says on every flight"
 
 
@@ -212,9 +215,66 @@ def test_nothing_is_said_of_positions_that_were_not_judged():
 
 @pytest.mark.parametrize(("latitude", "longitude"), [(1.3, -1.6), (-1.2, 2.4)], ids=["north", "south"])
 def test_the_field_is_steep_near_both_of_its_poles(latitude, longitude):
-    """The dip is negative in the south; beyond 75 degrees either way the heading may be wrong by 2.6 degrees."""
+    """The dip is negative in the south. What turns the needle has the horizontal field against it."""
     claims = real_flights.Judged(flown(attitude=2.0, latitude=latitude, longitude=longitude)).claims()
-    assert [claim.bound for claim in claims if "the heading's error" in claim.text] == [2.6]
+    north, east, _, total = magnetic(latitude, longitude)
+    (bound,) = [claim.bound for claim in claims if "the heading's error" in claim.text]
+    assert bound == pytest.approx(2.6 * np.cos(np.radians(78.0)) * total / np.hypot(north, east), rel=1e-3)
+    assert real_flights.heading_bound(78.0) == real_flights.heading_bound(-78.0) == pytest.approx(2.6)
+    assert real_flights.heading_bound(81.0) == pytest.approx(3.456, abs=1e-3)
+    assert real_flights.heading_bound(60.0) == 1.6
+
+
+def magnetic(latitude, longitude):
+    """North, east and down field and its strength, by an independent program."""
+    at = pygeomag.GeoMag(coefficients_file="wmm/WMM_2025.COF").calculate(
+        np.degrees(latitude), np.degrees(longitude), 3.0, 2026.0
+    )
+    return at.x, at.y, at.z, at.f
+
+
+@pytest.mark.parametrize(
+    ("decay", "share", "expected"),
+    [(0.0, 0.0, 2000.0), (0.0, 1.0, 1.0), (np.exp(-1.0 / 50.0), 0.0, 2000.0 / 50.0), (np.exp(-1.0 / 50.0), 0.5, 3.6)],
+    ids=["white", "constant", "Gauss-Markov", "half of it constant"],
+)
+def test_a_run_has_as_many_degrees_of_freedom_as_its_errors_correlation_leaves(decay, share, expected):
+    """White noise has its samples, a constant one, exp(-t / tau) has T / tau. Half of the variance constant for a run:
+    1 / nu = 1/4 + 2 / 4 x 2 tau / T + 1/4 x tau / T. The estimate is of 400 runs.
+
+    No more of the worst of ten runs than 5 % exceed their bound of that chance: binomial at 1e-6, of 400 tens; with
+    samples for degrees of freedom most do. Chi-square stands for a sum of unequal ones, which has a longer tail where
+    the parts differ most: 1.5 times as often there.
+    """
+    rng = np.random.default_rng(11)
+    runs, count = 4000, 2000
+    errors = np.empty((runs, count))
+    value = rng.standard_normal(runs)
+    for k in range(count):
+        errors[:, k] = value
+        value = decay * value + np.sqrt(1.0 - decay**2) * rng.standard_normal(runs)
+    errors = np.sqrt(1.0 - share) * errors + np.sqrt(share) * rng.standard_normal((runs, 1))
+    nu = figures.freedom(errors[:400])
+    assert nu == pytest.approx(expected, rel=0.1)
+    worst = np.max(np.mean(errors**2, axis=1).reshape(-1, 10), axis=1)
+    beyond = np.mean(worst > figures.worst(1.0, nu, 10, 0.05))
+    assert beyond <= stats.binom.ppf(1.0 - 1e-6, 400, 0.075 if share == 0.5 else 0.05) / 400
+
+
+def test_a_single_run_that_is_too_far_off_is_told():
+    """One of three flights is wrong by four sigma all the time: its mean square of 16 is beyond any chi-square of as
+    many degrees of freedom as a run with changing errors has."""
+    rng = np.random.default_rng(5)
+    honest = flown()
+    runs = [run.copy() for run in honest.runs["main"]]
+    for run, size in zip(runs, (0.7, 0.7, 4.0), strict=True):
+        noise = size * rng.standard_normal(len(run))
+        run["ahrs.attitude.heading"] = run["aircraft.heading"] + run["ahrs.attitude.heading_sigma"] * noise
+        run["evaluation.north_error"] = run["navigator.north_sigma"] * np.sqrt(2.0) * noise
+    judged = real_flights.Judged(replace(honest, runs={"main": runs}))
+    told = [claim.sentence for claim in judged.claims() if not claim.holds]
+    assert any("the heading is overconfident in a single run" in sentence for sentence in told)
+    assert any("the position is overconfident in a single run" in sentence for sentence in told)
 
 
 def test_figures_of_recorded_flights_are_those_that_can_be_said_beforehand():

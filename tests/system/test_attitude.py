@@ -91,14 +91,19 @@ def test_the_fmu_is_the_filter_that_its_equations_say(load, parameters):
 
 SEEDS = range(1, 11)
 PLACES = {
-    "shipped": (None, 1.6),
-    "imu_consumer": ("imu_consumer", 1.6),
-    "imu_tactical": ("imu_tactical", 1.6),
-    "dip 61": ((37.5, -121.5), 1.6),
-    "dip 78": ((69.0, 20.0), 3.9),
+    "shipped": None,
+    "imu_consumer": "imu_consumer",
+    "imu_tactical": "imu_tactical",
+    "dip 61": (37.5, -121.5),
+    "dip 78": (69.0, 20.0),
 }
-"""A variant of the shipped system, or where the made recording is flown, and the largest error of heading, degrees
-rms: 3.9 is half of what an AHRS with the thesis's gates makes of recorded flights at that dip."""
+"""A variant of the shipped system, or where the made recording is flown."""
+LARGEST, STEEP = 1.6, 2.6 * np.cos(np.radians(78.0))
+"""Largest errors of heading, degrees rms: the second over the cosine of the dip, if that is more; the needle is turned
+by what is across over the horizontal part of the field."""
+BEGUN, TURNED = 30, 300
+"""Seconds from which on sigmas are looked at, and sizes: by then the made flight has flown an orbit, in which the hard
+iron is told from the heading."""
 
 
 def made_flight(path, latitude, longitude):
@@ -138,7 +143,7 @@ def made_flight(path, latitude, longitude):
 @pytest.fixture(scope="module", params=PLACES)
 def errors(request, load, fmus, tmp_path_factory):
     """Errors of roll, pitch and heading over their sigma, and in rad: arrays (angle, seed, second)."""
-    place, limit = PLACES[request.param]
+    place, limit = PLACES[request.param], LARGEST
     if place is None or isinstance(place, str):
         system, stop = load(place), 2100.0
     else:
@@ -149,12 +154,13 @@ def errors(request, load, fmus, tmp_path_factory):
         write_fmu(import_track(folder / "made.csv"), built.fmu("track", tmp_path_factory), folder / "made.fmu", "made")
         shipped = source(folder, aircraft="made.fmu", name="made")
         field_n = magnetic_field.field(*np.radians(place), 1500.0, 2026.0)
+        limit = max(LARGEST, STEEP * np.linalg.norm(field_n) / np.hypot(*field_n[:2]))
         shipped.parameters("ahrs", {"declination": float(magnetic_field.declination(field_n))})
         system, stop = System.load(shipped.pack(folder / "made.ssp")), 2390.0
     signals = [f"aircraft.{name}" for name in ANGLES] + ["ahrs.attitude"]
     ratios, sizes = [], []
     for seed in SEEDS:
-        run = system.run(stop=stop, step=STEP, seed=seed, record=signals, record_period=1.0).iloc[30:]
+        run = system.run(stop=stop, step=STEP, seed=seed, record=signals, record_period=1.0).iloc[BEGUN:]
         error = wrap(np.array([run[f"ahrs.attitude.{name}"] - run[f"aircraft.{name}"] for name in ANGLES]))
         sizes.append(error)
         ratios.append(error / np.array([run[f"ahrs.attitude.{name}_sigma"] for name in ANGLES]))
@@ -164,13 +170,19 @@ def errors(request, load, fmus, tmp_path_factory):
 def test_heading_is_as_wrong_as_it_says(errors):
     """The normalised square of the error, 1 expected, averaged over ten flights, is within three of its standard
     errors (from the scatter between flights, some 0.1) of 0.7 to 1. Thesis gates and a white tilt noise of 0.3 degrees
-    give 1.4 on a calm made flight, and 8 to 17 on flights that accelerate as these."""
+    give 1.4 on a calm made flight, and 8 to 17 on flights that accelerate as these, and twice the error.
+
+    How large it is, is told by the sigma, which scatters little from flight to flight; the error itself may be as much
+    more as its normalised square."""
     ratio, size = errors[0][2], errors[1][2]
     square = np.mean(ratio**2, axis=1)
     scatter = 3.0 * np.std(square, ddof=1) / np.sqrt(len(SEEDS))
     assert 0.7 - scatter < np.mean(square) < 1.0 + scatter
     assert np.mean(np.abs(ratio) < 3.0) > 0.985
-    assert np.degrees(np.sqrt(np.mean(size**2))) < errors[2]
+    later = size[:, TURNED - BEGUN :]
+    claimed = later / ratio[:, TURNED - BEGUN :]
+    assert np.degrees(np.sqrt(np.mean(claimed**2))) < errors[2]
+    assert np.degrees(np.sqrt(np.mean(later**2))) < errors[2] * np.sqrt(1.0 + scatter)
 
 
 @pytest.mark.parametrize("angle", [0, 1], ids=ANGLES[:2])
