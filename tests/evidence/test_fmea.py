@@ -67,8 +67,8 @@ def test_the_page_has_a_row_for_each_line_and_each_failure_of_the_campaign(campa
         row = by_name[own[0].id if len(own) == 1 else case.name]
         assert all(f"{fault.type} " in row[2] and fault.targets[0] in row[2] for fault in own)
         assert f" of {len(campaign.seeds)} " in row[7]
-    for name, sign in signs_of(campaign.requirements).items():
-        assert [f"`{sign.signal}`" in row[2] for row in cells(text, "The signs") if row[0] == name] == [True]
+    told = {row[0]: row[1:3] for row in cells(text, "The signs")}
+    assert told == {name: [s.description, f"`{s.signal}`"] for name, s in signs_of(campaign.requirements).items()}
 
 
 # ---- from the recordings ---------------------------------------------------------------------------------------------
