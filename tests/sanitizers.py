@@ -27,6 +27,14 @@ def compile(sources: Iterable[Path], output: Path, include: Iterable[Path], *fla
     return output
 
 
+def use(engine: str | Path) -> None:
+    """Have this process load a sanitized engine in the place of its own."""
+    from navfmu.engine import loading
+
+    loading.binary = lambda: Path(engine)
+    assert Path(loading.engine_library()._name) == Path(engine), "another engine has been loaded"
+
+
 SHARED = ("-fPIC", "-shared", "-fvisibility=hidden")
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from navfmu.engine import compiled
 from navfmu.engine.link import Link
+from navfmu.engine.monitor import Monitor
 from navfmu.engine.plan import make_plan
 from navfmu.engine.recording import RunError
 from navfmu.faults import Fault
@@ -17,8 +18,9 @@ from tests.engine import probe as probes
 from tests.engine.probe import chain, probe, ring
 from tests.foreign import stepper as steppers
 from tests.foreign.stepper import stepper
+from tests.sanitizers import use
 
-compiled.binary = lambda: Path(sys.argv[1])
+use(sys.argv[1])
 probes.library = lambda: Path(sys.argv[2])
 steppers.library = lambda: Path(sys.argv[3])
 
@@ -34,6 +36,18 @@ FAULTS = [
     Fault("pushed", "lag2.number", "input", 3.0, 4.0, {"value": 7}),
     Fault("raised", "lag2.flag", "input", 0.0, 4.0),
     Fault("turned", "lag3.gain", "parameter", 3.0, 4.0, {"value": 2.0}),
+    Fault("once", "lag0.y", "delay", 1.0, 2.0, when="lag1.y@true > 0.1 and not active(turned)", hold=0.3, delay=0.4),
+    Fault("phase", "lag1.u", "spike", during="lag0.data.sequence < 70 or lag2.flag", value=1.0, every=0.3),
+    Fault("flicker", "lag2.y", "garbage", during="not active(flicker)", low=0.0, high=1.0, period=0.2),
+    Fault("random", "lag3", "lost_step", mttf=0.5, mttr=0.4),
+    Fault("slow", "lag0.data", "slow", on=0.5, off=0.3, period=0.2),
+    Fault("turn", ["lag2.y", "lag2.seen"], "swap", when="time > 5", order=[2, 1]),
+]
+MONITORS = [
+    Monitor("value", "norm(lag0.y, lag1.u) / lag2.y@true", most=1.0, when="active()", tolerance=0.2),
+    Monitor("onset", "lag1.y > 0.5", counts_from="onset", fault="phase"),
+    Monitor("over", "lag1.y > 0.5", counts_from="over", fault="flicker"),
+    Monitor("any", "lag3.flag_echo", counts_from="over"),
 ]
 
 
@@ -59,7 +73,16 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             circle(algorithm, Path(folder))
         for faults in ([], FAULTS):
-            plan = make_plan(lags, connections, step=0.1, stop=10.0, algorithm=algorithm, faults=faults, record=["*"])
+            plan = make_plan(
+                lags,
+                connections,
+                step=0.1,
+                stop=10.0,
+                algorithm=algorithm,
+                faults=faults,
+                record=["*"],
+                monitors=MONITORS,
+            )
             with compiled.Compiled(plan) as engine:
                 engine.initialise()
                 engine.advance(40)

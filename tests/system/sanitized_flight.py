@@ -12,6 +12,7 @@ from navfmu.engine import compiled
 from navfmu.engine.component import Component
 from navfmu.engine.plan import Plan
 from navfmu.faults import Fault
+from tests.sanitizers import use
 
 STOP = 60.0  # s
 FAULTS = [
@@ -41,7 +42,7 @@ def sanitized(plan: Plan, folder: Path) -> Plan:
 
 
 def main(package: str, engine: str, folder: str) -> None:
-    compiled.binary = lambda: Path(engine)
+    use(engine)
     system = System.load(package, "bay_area_scanning")
     for algorithm in ("jacobi", "gauss_seidel"):
         for step, faults in ((0.01, FAULTS), (0.05, [])):
