@@ -6,7 +6,9 @@ by its name, and an input asks at each step what it should be.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import re
+from collections.abc import Iterator, Sequence
 
 from navfmu.engine.component import Component
 from navfmu.engine.link import Link
@@ -63,15 +65,82 @@ def cuts(names: Sequence[str], edges: set[tuple[str, str]]) -> set[tuple[str, st
         cut |= {(a, b) for a, b in live if b == first and needs(a, first, live)}
 
 
-def disturbed(value: float, name: str, faults: Sequence[Fault], t: float, at: float) -> float:
-    """A value under the faults that act at ``t``, for the time ``at``."""
+def true_for(met: Sequence[bool], step: float, hold: float) -> bool:
+    """Whether a condition has been true at all points of a time, the last of which is the last point."""
+    points = math.ceil(hold / step - 1e-9) + 1
+    return len(met) >= points and all(met[-points:])
+
+
+def windows(fault: Fault, until: float) -> Iterator[tuple[float, float]]:
+    """From when to when a fault may act, as its times say."""
+    on, off = (fault.parameters.get(name, math.inf) for name in ("on", "off"))
+    waits = "when" in fault.parameters  # its duration is counted from where it begins
+    begin, end = fault.start, math.inf if waits else fault.start + fault.duration
+    while begin < end and begin < until:
+        yield begin, min(begin + on, end)
+        begin += on + off
+
+
+class Acting:
+    """When each fault acts: from which time on, by id, at every point up to the one after the last that is known."""
+
+    def __init__(self, faults: Sequence[Fault], step: float, until: float) -> None:
+        self.faults, self.step, self.until = faults, step, until
+        self.since: list[dict[str, float]] = []  # by point
+        self.met: dict[str, list[bool]] = {fault.id: [] for fault in faults}
+        self.begun: dict[str, int] = {}
+        self.known = 0
+
+    def see(self, left: Values) -> None:
+        """All values that left at the next point: conditions are asked, and say what acts at the one after it."""
+        if not self.since:
+            self.since.append(self._at(0))
+        k = self.known
+        active = self.since[k]
+        for fault in self.faults:
+            if fault.condition:
+                text = re.sub(r"active\((\w+)\)", r"('\1' in active)", fault.condition)
+                text = re.sub(r"p\d+\.[\w.]+(?:@true)?", lambda name: f"left['{name[0]}']", text)
+                self.met[fault.id].append(eval(text, {"left": left, "active": active, "time": k * self.step}))
+        self.known += 1
+        self.since.append(self._at(k + 1))
+
+    def at(self, t: float) -> dict[str, float]:
+        """Since when each of those acts that do so at the time of a point."""
+        if not self.since:
+            self.since.append(self._at(0))
+        return self.since[round(t / self.step)]
+
+    def _at(self, k: int) -> dict[str, float]:
+        t, found = k * self.step, {}
+        for fault in self.faults:
+            window = next((b for b, e in windows(fault, self.until) if b - 1e-9 <= t < e - 1e-9), None)
+            if fault.condition:
+                held = true_for(self.met[fault.id], self.step, fault.parameters.get("hold", 0.0))
+                if "when" in fault.parameters:
+                    if window is not None and held:
+                        self.begun.setdefault(fault.id, k)
+                    begun = self.begun.get(fault.id)
+                    acts = begun is not None and (k - begun) * self.step < fault.duration - 1e-9
+                    window = begun * self.step if acts else None
+                elif window is not None:
+                    before = self.since[k - 1].get(fault.id) if k else None
+                    first = window > t - self.step + 1e-9  # the condition was met when the window began
+                    window = None if not held else window if first else t if before is None else before
+            if window is not None:
+                found[fault.id] = window
+        return found
+
+
+def disturbed(value: float, name: str, faults: Sequence[Fault], since: dict[str, float], at: float) -> float:
+    """A value under the faults that act, for the time ``at``."""
     for fault in faults:
-        if fault.target != name or not fault.start - 1e-9 <= t < fault.start + fault.duration - 1e-9:
+        if fault.target != name or fault.id not in since:
             continue
         if fault.type == "bias":
             value += fault.parameters["value"]
         elif fault.type == "drift":
-            value += fault.parameters["rate"] * (at - fault.start)
+            value += fault.parameters["rate"] * (at - since[fault.id])
         else:
             value = fault.parameters["value"]
     return value
@@ -92,6 +161,7 @@ def simulate(
     link_of = {link.target: link for link in links}
     edges = {(link.source.split(".")[0], link.target.split(".")[0]) for link in links}
     cut = cuts(list(probes), edges)
+    acting = Acting(faults, step, step * (steps + 2))
 
     def passed(link: Link | None, at_source: float) -> float:
         return at_source if link is None or not link.scaled else link.factor * at_source + link.offset
@@ -102,12 +172,18 @@ def simulate(
 
     def leaving(t: float) -> Values:
         return {
-            f"{n}.{v}": disturbed(true(f"{n}.{v}"), f"{n}.{v}", faults, t, t) for n, p in probes.items() for v in p.out
+            f"{n}.{v}": disturbed(true(f"{n}.{v}"), f"{n}.{v}", faults, acting.at(t), t)
+            for n, p in probes.items()
+            for v in p.out
         }
 
     def free(name: str, t: float) -> float:
         component, variable = name.split(".")
-        return disturbed(float(probes[component].start[variable]), name, faults, t, t)
+        return disturbed(float(probes[component].start[variable]), name, faults, acting.at(t), t)
+
+    def visible(now: Values) -> Values:
+        """What conditions see of a point."""
+        return now | {f"{name}@true": true(name) for name in now}
 
     for _ in range(len(probes) + 1):  # t = 0: until nothing changes any more
         now = leaving(0.0)
@@ -115,6 +191,7 @@ def simulate(
             ends = {i: link_of.get(f"{name}.{i}") for i in INPUTS}
             one.leave({i: passed(k, now[k.source]) if k else free(f"{name}.{i}", 0.0) for i, k in ends.items()})
     now = leaving(0.0)
+    acting.see(visible(now))
     history = {name: [value] for name, value in now.items()} | {f"{name}@true": [true(name)] for name in now}
 
     for k in range(steps):
@@ -131,8 +208,8 @@ def simulate(
             if source not in done:
                 return begin, 0.0
             if output != "y" or variable != "u":  # discrete: the newest, as it leaves
-                return passed(link, disturbed(true(link.source), link.source, faults, end, end)), 0.0
-            newest = passed(link, disturbed(true(link.source), link.source, faults, t, end))
+                return passed(link, disturbed(true(link.source), link.source, faults, acting.at(end), end)), 0.0
+            newest = passed(link, disturbed(true(link.source), link.source, faults, acting.at(t), end))
             return (begin, (newest - begin) / step) if name in smooth else (newest, 0.0)
 
         while len(done) < len(probes):
@@ -144,6 +221,7 @@ def simulate(
             probes[ready].step(t, step, {i: value for i, (value, _) in inputs.items()}, inputs["u"][1])
             done.add(ready)
         now = leaving(end)
+        acting.see(visible(now))
         for name, value in now.items():
             history[name].append(value)
             history[f"{name}@true"].append(true(name))
