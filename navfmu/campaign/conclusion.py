@@ -70,11 +70,13 @@ def verdict(story: Story) -> str:
     """The first sentence."""
     cells = [cell for group in story["groups"] for cell in group["cells"] if cell is not None]
     held, count = sum(cell["passed"] for cell in cells), len(cells)
+    silent = sum(cell["verdict"] == "no answer" for cell in cells)
     if not cells:
         return "No requirement is asked of any variant and case: this campaign gives no verdict."
     kind = "requirements, each asked of a variant in a case"
     if held < count:
-        return f"{count - held} of {count} {kind}, are violated; {held} hold in the runs flown."
+        unanswered = f"{silent} could be asked in no run; " if silent else ""
+        return f"{count - held - silent} of {count} {kind}, are violated; {unanswered}{held} hold in the runs flown."
     more = "" if story["passed"] else " Yet the campaign has not passed: see what was not tested."
     return f"All of {count} {kind}, hold in the runs flown.{more}"
 

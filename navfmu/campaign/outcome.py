@@ -39,6 +39,11 @@ class Cell:
     distinct: int  # runs that can differ: 1 where the seed changes nothing
 
     @property
+    def verdict(self) -> str:
+        """In a word: "holds", "violated", or "no answer" where it could be asked in no run."""
+        return "holds" if self.passed else "violated" if self.total else "no answer"
+
+    @property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the share of runs that hold, in percent: from those that can differ."""
         return wilson(self.held * self.distinct // max(self.total, 1), self.distinct)

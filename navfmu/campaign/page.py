@@ -145,9 +145,12 @@ def _matrix(result: Page, story: Story) -> None:
 
 
 def _cell(cell: Mapping[str, Any] | None) -> str:
-    return (
-        "not asked" if cell is None else f"{'holds' if cell['passed'] else 'VIOLATED'} {cell['held']}/{cell['total']}"
-    )
+    return "not asked" if cell is None else f"{_verdict(cell)} {cell['held']}/{cell['total']}"
+
+
+def _verdict(cell: Mapping[str, Any]) -> str:
+    """Louder where it does not hold, for those who see no colours."""
+    return cell["verdict"] if cell["passed"] else cell["verdict"].upper()
 
 
 def _in_words(requirement: Mapping[str, Any]) -> str:
@@ -266,7 +269,7 @@ def _worst(result: Page, story: Story) -> None:
     if not found:
         return
     found.sort(key=lambda entry: entry[2]["rank"])
-    violated = sum(not cell["passed"] for _, _, cell in found)
+    violated = sum(cell["verdict"] == "violated" for _, _, cell in found)
     result.heading(WORST_FIRST)
     shown = found[:WORST]
     if len(shown) < len(found):
@@ -281,7 +284,7 @@ def _worst(result: Page, story: Story) -> None:
                 story["requirements"][place]["id"],
                 group["variant"],
                 story["cases"][group["case"]]["name"],
-                "holds" if cell["passed"] else "VIOLATED",
+                _verdict(cell),
                 _interval(cell),
                 cell["sentence"],
                 ""

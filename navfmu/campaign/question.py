@@ -166,10 +166,8 @@ class Detects(Question):
         return self._finding(seen, held, 100.0 if held else 0.0, took, origin + took, violated)
 
     def sentence(self, r: Requirement) -> str:
-        return f"{self._of(r)} {self.after} within {r.most:g} s: {r.signal}"
-
-    def _of(self, r: Requirement) -> str:
-        return f"fault '{r.fault}'" if r.fault else "every fault"
+        which = f"fault '{r.fault}'" if r.fault else "the first fault"
+        return f"{which} {self.after} within {r.most:g} s: {r.signal}"
 
     def quantity(self, r: Requirement) -> tuple[str, str, str]:
         return f"how long until {r.signal}", "", f"time until {self.after}"
@@ -221,7 +219,8 @@ class Recovers(Detects):
         return "" if f.first_violation is None else f"violated at t = {f.first_violation:.9g} s"
 
     def sentence(self, r: Requirement) -> str:
-        return f"{r.signal} within {r.most:g} s of the end of {self._of(r)}, and from then on"
+        which = f"fault '{r.fault}'" if r.fault else "all faults"
+        return f"{r.signal} within {r.most:g} s of the end of {which}, and from then on"
 
 
 QUESTIONS = {"signal": Question(), "events": Events(), "detects": Detects(), "recovers": Recovers()}

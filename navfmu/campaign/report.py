@@ -102,7 +102,7 @@ def _verdicts(outcome: Outcome) -> list[dict[str, Any]]:
             "variant": cell.variant,
             "case": cell.case,
             **columns[cell.case],
-            "verdict": "holds" if cell.passed else "violated",
+            "verdict": cell.verdict,
             "runs_held": cell.held,
             "runs": cell.total,
             "interval_low_percent": round(cell.interval[0], 2),

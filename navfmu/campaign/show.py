@@ -70,9 +70,9 @@ def _matrix_as_written(out: Console, outcome: Outcome, columns: list[Column]) ->
     """One row for each case of the file, where it stands for many."""
     campaign = outcome.campaign
     written = {case.name: case.written for case in campaign.cases}
-    cells: dict[tuple[str, str, str], list[bool]] = {}
+    cells: dict[tuple[str, str, str], list[Cell]] = {}
     for cell in outcome.cells:
-        cells.setdefault((cell.variant, written[cell.case], cell.requirement.id), []).append(cell.passed)
+        cells.setdefault((cell.variant, written[cell.case], cell.requirement.id), []).append(cell)
     rows = [
         [variant, name, *(_verdicts(cells.get((variant, name, r.id), [])) for r in campaign.requirements)]
         for variant in campaign.systems
@@ -82,19 +82,20 @@ def _matrix_as_written(out: Console, outcome: Outcome, columns: list[Column]) ->
 
 
 def _verdict(cell: Cell | None) -> Text:
-    return _verdict_of(None, 0, 0) if cell is None else _verdict_of(cell.passed, cell.held, cell.total)
+    return _verdict_of(["not asked"] if cell is None else [cell.verdict], f"{cell.held}/{cell.total}" if cell else "")
 
 
-def _verdicts(passed: list[bool]) -> Text:
-    return _verdict_of(all(passed) if passed else None, sum(passed), len(passed))
+def _verdicts(cells: list[Cell]) -> Text:
+    held = f"{sum(cell.passed for cell in cells)}/{len(cells)}"
+    return _verdict_of([cell.verdict for cell in cells] or ["not asked"], held)
 
 
-def _verdict_of(passed: bool | None, held: int, total: int) -> Text:
-    """Also as a word, for those who see no colours."""
-    if passed is None:
+def _verdict_of(verdicts: list[str], held: str) -> Text:
+    """The worst of them, also as a word, for those who see no colours."""
+    if verdicts == ["not asked"]:
         return Text("not asked", style="dim")
-    verdict = ("holds", "green") if passed else ("VIOLATED", "red")
-    return Text.assemble(verdict, f" {held}/{total}")
+    worst = min(verdicts, key=["violated", "no answer", "holds"].index)
+    return Text.assemble((worst, "green") if worst == "holds" else (worst.upper(), "red"), f" {held}")
 
 
 def _thresholds(out: Console, outcome: Outcome) -> None:
@@ -111,6 +112,6 @@ def _violated(out: Console, outcome: Outcome) -> None:
     """In words, the fewest holding runs first."""
     violated = sorted((c for c in outcome.cells if not c.passed), key=lambda cell: cell.rank)
     for cell in violated[:SEEN]:
-        _told(out, "violated", f"{cell.requirement.id}, {cell.variant}, {cell.case}: {cell.sentence}")
+        _told(out, cell.verdict, f"{cell.requirement.id}, {cell.variant}, {cell.case}: {cell.sentence}")
     if len(violated) > SEEN:
         say(out, f"... and {len(violated) - SEEN} more in the report")

@@ -94,6 +94,7 @@ def _cell(cell: Cell | None, numbers: Mapping[int, int]) -> dict[str, Any] | Non
         return None
     return {
         "passed": cell.passed,
+        "verdict": cell.verdict,
         "held": cell.held,
         "total": cell.total,
         "distinct": cell.distinct,

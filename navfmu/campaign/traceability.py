@@ -43,10 +43,7 @@ def write_task(outcome: Outcome, file: Path) -> Path:
     steps = {"ExecuteSimulation": execute}
     if campaign.requirements:
         asked = "\n".join(f"{one.id}: {one.sentence}" for one in campaign.requirements)
-        verdicts = {
-            f"{cell.requirement.id}, {cell.variant}, {cell.case}": "holds" if cell.passed else "violated"
-            for cell in outcome.cells
-        }
+        verdicts = {f"{cell.requirement.id}, {cell.variant}, {cell.case}": cell.verdict for cell in outcome.cells}
         judged = tuple(of_result(one) for one in found if one not in flown)
         steps["EvaluateSimulationResults"] = Step(
             Particle((Resource("requirement", text=asked),)),

@@ -61,12 +61,17 @@ def read_text(path: str | Path, kind: str, name: str = "") -> str:
         raise NavfmuError(f"{name or path}: the {kind} cannot be read: it is not text in UTF-8") from None
 
 
+_KEY = re.compile(r"'([^']*)'")
+_KEYS = re.compile(r"\(('[^']*'(, )?)+,?\)")  # as the parser names them: ('table', 'sub')
+
+
 def _sentence(error: Exception) -> str:
     """The parser's message, its place first: ", line 3, column 9: invalid value"."""
     if isinstance(error, RecursionError):
         return ": is nested too deeply"
     found = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
     sentence, place = found.groups() if found else (str(error), "")
+    sentence = _KEYS.sub(lambda keys: f"'{'.'.join(_KEY.findall(keys[0]))}'", sentence)
     return f"{', ' if place else ''}{place}: {sentence[:1].lower()}{sentence[1:]}"
 
 

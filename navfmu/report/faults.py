@@ -20,10 +20,10 @@ def cells(fault: Mapping[str, Any]) -> list[str]:
 def _time(fault: Mapping[str, Any]) -> str:
     """When it acts."""
     start, duration = fault["start"], fault.get("duration")
-    held = f", for {fault['hold']:g} s" if fault.get("hold") else ""
+    held = f" has held for {fault['hold']:g} s" if fault.get("hold") else ""
     if "when" in fault:
         after = f"from {start:g} s on, " if start else ""
-        return f"{after}once {fault['when']}{held}" + (f": for {duration:g} s" if duration else "")
+        return f"{after}once {fault['when']}{held}" + (f", for {duration:g} s" if duration else "")
     window = f"{start:g} to {start + duration:g} s" if duration else f"from {start:g} s"
     if "during" in fault:
         return f"{window}, while {fault['during']}{held}" if start or duration else f"while {fault['during']}{held}"

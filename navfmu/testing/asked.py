@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from navfmu.campaign.finding import Finding
 from navfmu.campaign.requirement import MAIN, Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.engine.monitor import Monitor, Observed
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, nearest
 from navfmu.files.schema import validated
 from navfmu.system.system import System
 from navfmu.testing.keywords import Keywords
@@ -62,6 +62,13 @@ class Asked:
         """The requirement with its name: "NAV-1 (evaluation.horizontal_error <= 926 m always)"."""
         sentence = self.requirement.sentence
         return f"{self.id} ({sentence})" if self.id else f"({sentence})"
+
+    def check_fault(self, faults: Collection[str]) -> None:
+        """Refuse the name of a fault that the run does not have; ``faults`` are their ids."""
+        fault = self.requirement.fault
+        if fault and fault not in faults:
+            have = f" (faults: {', '.join(faults) or 'none'})"
+            raise NavfmuError(f"requirement {self.words}: the run has no fault '{fault}'{nearest(fault, faults)}{have}")
 
     def judge(self, seen: Mapping[str, Any]) -> str:
         """Why a run does not hold it, or ""; ``seen`` is what the run says of its monitors."""

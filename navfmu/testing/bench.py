@@ -160,6 +160,8 @@ class Bench:
     def _judge(self, run: Flown, asked: Sequence[Asked]) -> None:
         """Raise what a run violates, with its plot."""
         run.asked += asked
+        for one in asked:
+            one.check_fault([fault.id for fault in run.experiment.faults])
         seen = run.frame.attrs["observed"]
         if any(one.key not in seen for one in asked):  # required after the run: it is made again, and asked
             monitors = [one.monitor for one in dict.fromkeys(asked)]

@@ -12,6 +12,7 @@ import pytest
 
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.requirement import wilson
+from navfmu.campaign.show import show
 from navfmu.errors import NavfmuError
 from tests.components import systems
 
@@ -60,7 +61,7 @@ def test_a_fault_is_noticed_in_time_or_not(tmp_path):
     assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, after 1.3 s, first violated at t = 3.2 s"
     assert told["R-3"] == "held in 0 of 1 runs; worst: seed 1, never noticed, first violated at t = 3 s"
     assert [cell.passed for cell in cells(outcome).values()] == [True, True, False, False, True]
-    assert cells(outcome)["R-1"].requirement.sentence == "every fault noticed within 1.3 s: time >= 3.25 s"
+    assert cells(outcome)["R-1"].requirement.sentence == "the first fault noticed within 1.3 s: time >= 3.25 s"
     rows = pandas.read_csv(tmp_path / "out" / "runs.csv").query("case == 'failed'")
     assert rows.first_onset.tolist() == [2.0] * 5
     assert rows.latency.tolist()[2:] == pytest.approx([1.2, 1.0, 1.0]) and rows.latency[:3].isna().any()
@@ -90,10 +91,10 @@ def test_it_is_recovered_from_in_time_or_not(tmp_path):
     told = {name: cell.sentence for name, cell in cells(outcome).items()}
     assert told["R-2"] == "held in 0 of 1 runs; worst: seed 1, never recovered, violated at t = 7 s"
     sentence = cells(outcome)["R-2"].requirement.sentence
-    assert sentence == "m1.y <= 0.5 m within 2 s of the end of every fault, and from then on"
+    assert sentence == "m1.y <= 0.5 m within 2 s of the end of all faults, and from then on"
 
 
-def test_what_a_run_was_too_short_to_show_is_not_asked(tmp_path):
+def test_what_a_run_was_too_short_to_show_is_not_asked(tmp_path, capsys):
     """The run has its end 1 s after the onset: what is not noticed then may be so within 2 s."""
     outcome = flown(
         tmp_path,
@@ -106,6 +107,13 @@ def test_what_a_run_was_too_short_to_show_is_not_asked(tmp_path):
     found = cells(outcome)
     assert (found["R-0"].total, found["R-0"].passed) == (0, False)
     assert found["R-0"].sentence.startswith("held in 0 of 0 runs; in 2 it could not be asked")
+    assert [found[f"R-{number}"].verdict for number in range(3)] == ["no answer", "holds", "no answer"]  # not: violated
+    words = "0 of 3 requirements, each asked of a variant in a case, are violated; 2 could be asked in no run; 1 hold"
+    assert words in outcome.report.read_text()
+    assert pandas.read_csv(tmp_path / "out" / "verdicts.csv").verdict.tolist() == ["no answer", "holds", "no answer"]
+    show(outcome)
+    printed = capsys.readouterr().out
+    assert "NO ANSWER 0/0" in printed and "no answer R-0, main, failed" in printed and "VIOLATED" not in printed
     assert (found["R-1"].total, found["R-1"].held) == (2, 2)
     assert found["R-2"].total == 0 and not outcome.passed  # it does not end
 

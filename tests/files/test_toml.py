@@ -86,6 +86,7 @@ def test_every_value_of_the_parser_has_a_line_of_its_own():
     [
         ("a = 1\nb = x", "f.toml, line 2, column 5: invalid value"),
         ("a = ", "f.toml, end of document: invalid value"),
+        ("[[a.b]]\n[a.b]", "f.toml, line 2, column 5: cannot declare 'a.b' twice"),
         ("a = " + "[" * 5000, "f.toml: is nested too deeply"),
         ("a = " + "1" * 5000, "f.toml: "),  # more digits than Python reads
     ],

@@ -14,10 +14,10 @@ from navfmu.report import faults
         ({"when": "a.y > 1"}, "once a.y > 1"),
         (
             {"when": "a.y > 1", "hold": 3.0, "start": 5.0, "duration": 2.0},
-            "from 5 s on, once a.y > 1, for 3 s: for 2 s",
+            "from 5 s on, once a.y > 1 has held for 3 s, for 2 s",
         ),
         ({"during": "cruise"}, "while cruise"),
-        ({"during": "cruise", "hold": 3.0, "start": 5.0}, "from 5 s, while cruise, for 3 s"),
+        ({"during": "cruise", "hold": 3.0, "start": 5.0}, "from 5 s, while cruise has held for 3 s"),
     ],
 )
 def test_when_a_fault_acts_is_told_with_its_condition(times, words):

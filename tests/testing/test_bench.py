@@ -256,6 +256,12 @@ def test_window(system):
         s.require("lag.y", at_most=1, from_=5, to=6)
         s.run(3)
 
+def test_detects(system):
+    with system("tracker.ssp") as s:
+        s.fault("lag.bias", at=1, value=1.0, id="push")
+        s.require(detects="lag.y > 1", within="1 s", fault="psuh")
+        s.run(3)
+
 def test_never_flown(system):
     with system("tracker.ssp") as s:
         s.run(1)
@@ -342,6 +348,7 @@ SENTENCES = {
     "unit": "'s'",
     "quantile": "require('lag.y'): 'quantile' is about many runs, and this is one; 'percent' is",
     "window": "was asked at no point of the run",
+    "detects": "the run has no fault 'psuh'; did you mean 'push'? (faults: push)",
     "never_flown": "fault 'lag.bias': no run came after it, so nothing was tested; call s.run",
     "never_asked": "requirement R (lag.y <= 1 m always): no run came after it",
     "cannot_act": "fault 'lag.bias' starts",

@@ -46,7 +46,7 @@ function cellDetail(g, r) {
   runs.sort((a, b) => key(a) - key(b));
   const share = cell.interval ? `: ${cell.interval[0].toFixed(0)} to ${cell.interval[1].toFixed(0)} % of such runs hold (95 % interval)` : "";
   return [
-    title(`${requirement.id} in ${group.variant}, ${story.cases[group.case].name}: ${cell.passed ? "holds" : "VIOLATED"}`),
+    title(`${requirement.id} in ${group.variant}, ${story.cases[group.case].name}: ${verdictText(cell)}`),
     made("p", {}, `${requirement.description ? `${requirement.description}: ` : ""}${requirement.sentence}`),
     made("p", {}, `${cell.sentence}${share}.`),
     made("h3", {}, "Its runs, worst first"),

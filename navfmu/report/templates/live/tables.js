@@ -3,7 +3,12 @@ const story = JSON.parse(document.getElementById("story").textContent);
 
 function verdictOf(group) {
   const cells = group.cells.filter(Boolean);
-  return !cells.length ? "not asked" : cells.every((cell) => cell.passed) ? "holds" : "violated";
+  return !cells.length ? "not asked" : ["violated", "no answer", "holds"].find((verdict) => cells.some((cell) => cell.verdict === verdict));
+}
+
+// Louder where it does not hold, for those who see no colours.
+function verdictText(cell) {
+  return cell.passed ? cell.verdict : cell.verdict.toUpperCase();
 }
 
 function ofVariants() {
@@ -24,7 +29,7 @@ function matrix(place) {
     { title: "FMEA", text: (row) => [...new Set(story.cases[row.case].faults.map((f) => f.fmea).filter(Boolean))].join(", ") },
     ...story.requirements.map((requirement, r) => ({
       title: requirement.id,
-      text: (row) => (row.cells[r] ? `${row.cells[r].passed ? "holds" : "VIOLATED"} ${row.cells[r].held}/${row.cells[r].total}` : "not asked"),
+      text: (row) => (row.cells[r] ? `${verdictText(row.cells[r])} ${row.cells[r].held}/${row.cells[r].total}` : "not asked"),
       sort: (row) => (row.cells[r] ? (row.cells[r].passed ? 1 : 0) + row.cells[r].held / Math.max(row.cells[r].total, 1) : null),
       style: (row) => (row.cells[r] ? (row.cells[r].passed ? "good" : "bad") : "none"),
       href: (row) => (row.cells[r] ? `#cell/${places.get(row)}/${r}` : null),
@@ -36,7 +41,7 @@ function matrix(place) {
     })),
   ];
   const grid = new Grid(place, "verdicts by variant and case", columns, rows);
-  const verdicts = ["violated", "holds", "not asked"].map((v) => [{ violated: "violated somewhere", holds: "all hold" }[v] || v, (row) => verdictOf(row) === v]);
+  const verdicts = ["violated", "no answer", "holds", "not asked"].map((v) => [{ violated: "violated somewhere", holds: "all hold" }[v] || v, (row) => verdictOf(row) === v]);
   filtered(place, "the matrix", grid, (row) => `${row.variant} ${story.cases[row.case].name} ${story.cases[row.case].description} ${faultsOf(story.cases[row.case])}`, [
     ofVariants(),
     { label: "verdict", options: [["every verdict", () => true], ...verdicts] },
