@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 import zipfile
 from pathlib import Path
@@ -26,7 +25,6 @@ LATE = (
     Fault("late air", "air_data.air", "delay", delay=STEP),
     Fault("late ranges", "navigator.ranging", "delay", delay=STEP),
 )
-SHOWN = "evaluation.horizontal_error"
 
 
 @pytest.fixture(scope="module")
@@ -63,23 +61,9 @@ def flown(system, package):
             )
 
     return {
-        "no faults": fly(system),
-        "own injection": fly(system, *FAULTS),
         "own injection, behind delays of one step": fly(system, *LATE, *FAULTS),
         "sabotaged, in this master (Jacobi)": fly(System.load(package)),
     }
-
-
-@pytest.fixture(scope="module")
-def table():
-    text = (Path(__file__).parents[2] / "docs" / "sabotage.md").read_text(encoding="utf-8")
-    return dict(re.findall(r"^\| ([^|]+?) \| ([\d.]+) m \|", text, re.MULTILINE))
-
-
-def test_the_table_is_what_is_flown(flown, table):
-    assert set(flown) | {"sabotaged, in libcosim", "sabotaged, in Ecos"} == set(table)
-    for name, frame in flown.items():
-        assert f"{frame[SHOWN].iloc[-1]:.4f}" == table[name], name
 
 
 def test_in_this_master_all_bits_are_the_same_at_all_points(flown):
@@ -92,7 +76,7 @@ def test_in_this_master_all_bits_are_the_same_at_all_points(flown):
 
 
 @pytest.mark.parametrize("host", ["libcosim", "Ecos"])
-def test_in_other_masters_all_bits_are_the_same_at_the_end(package, flown, table, host, tmp_path):
+def test_in_other_masters_all_bits_are_the_same_at_the_end(package, flown, host, tmp_path):
     fmus = {name: Path(fmu.path) for name, fmu in System.load(package).fmus.items()}
     if host == "libcosim":
         with zipfile.ZipFile(package) as archive:
@@ -104,4 +88,3 @@ def test_in_other_masters_all_bits_are_the_same_at_the_end(package, flown, table
     for name in expected.index:
         component, _, variable = name.partition(".")
         assert found[component][variable] == float(expected[name]), name
-    assert f"{found['evaluation']['horizontal_error']:.4f}" == table[f"sabotaged, in {host}"]
