@@ -83,8 +83,8 @@ class Artist:
                 yield Event("notice", notice.label, float(time))
         for requirement in self._outcome.campaign.requirements:
             finding = judged.findings.get(requirement.id)
-            if requirement.quantile is None and finding is not None and finding.first_violation is not None:
-                yield Event("violation", requirement.id, finding.first_violation)
+            if requirement.quantile is None and finding is not None and finding.violated_from is not None:
+                yield Event("violation", requirement.id, finding.violated_from)
 
     def _packed(self, judged: Judged, recorded: Recorded, events: tuple[Event, ...]) -> str:
         panels: list[Panel] = []

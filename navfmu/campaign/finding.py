@@ -25,6 +25,11 @@ class Finding:
         """Whether the run came as far as the first point."""
         return not (self.missing and math.isnan(self.worst))
 
+    @property
+    def violated_from(self) -> float | None:
+        """When it was first outside (s) of a run that does not hold: what is allowed for a time violates nothing."""
+        return None if self.held else self.first_violation
+
     def row(self) -> dict[str, Any]:
         """As plain data."""
         return {

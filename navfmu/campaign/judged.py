@@ -41,9 +41,8 @@ class Judged:
 
     def latency(self, finding: Finding) -> float | None:
         """How long after the first onset a requirement was first violated (s); None where it was not, or before."""
-        if self.onset is None or finding.first_violation is None or finding.first_violation < self.onset:
-            return None
-        return finding.first_violation - self.onset
+        violated = finding.violated_from
+        return None if self.onset is None or violated is None or violated < self.onset else violated - self.onset
 
     def holds(self, requirement: Requirement) -> bool:
         """Whether the run is as the requirement expects it; one that ended with an error is not."""

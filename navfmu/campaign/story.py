@@ -195,7 +195,7 @@ def _finding(requirement: Requirement, judged: Judged, finding: Finding | None) 
         "worst": _number(finding.worst),
         "text": requirement.question.value(requirement, finding),
         "at": _number(finding.worst_time),
-        "first": _number(finding.first_violation),
+        "first": _number(finding.violated_from),
         "missing": finding.missing,
     }
 

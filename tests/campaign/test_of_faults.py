@@ -5,7 +5,9 @@ The six lags of the ring stand at 1 m; a fault adds 1 m to one of their outputs.
 
 from __future__ import annotations
 
+import json
 import math
+import re
 
 import pandas
 import pytest
@@ -65,6 +67,24 @@ def test_a_fault_is_noticed_in_time_or_not(tmp_path):
     rows = pandas.read_csv(tmp_path / "out" / "runs.csv").query("case == 'failed'")
     assert rows.first_onset.tolist() == [2.0] * 5
     assert rows.latency.tolist()[2:] == pytest.approx([1.2, 1.0, 1.0]) and rows.latency[:3].isna().any()
+
+
+def test_what_is_allowed_violates_nothing(tmp_path):
+    """Wrong: a mark "first violated", and a latency, of a requirement that the run is told to hold."""
+    outcome = flown(
+        tmp_path,
+        {"x": "start = 2.0\nduration = 0.5"},
+        'events = "m0.y > 1.5 m"\nat_most = 1',
+        'signal = "m0.y"\nat_most = "1.5 m"\npercent = 90',
+        'signal = "m0.y"\nat_most = "1.5 m"\npercent = 99',
+    )
+    assert [finding(outcome, f"R-{number}").held for number in range(3)] == [True, True, False]
+    rows = pandas.read_csv(tmp_path / "out" / "runs.csv").query("case == 'failed'")
+    assert rows.latency.isna().tolist() == [True, True, False] and rows.first_violation.tolist() == [2.0] * 3
+    story = re.search(r'<script[^>]*id="story"[^>]*>(.*?)</script>', outcome.report.read_text(), re.DOTALL)[1]
+    (run,) = [run for run in json.loads(story)["runs"] if run["case"] == "failed"]
+    assert [found["first"] for found in run["findings"]] == [None, None, 2.0]
+    assert [event[1:] for event in run["events"] if event[0] == "violation"] == [["R-2", 2.0]]
 
 
 def test_it_is_recovered_from_in_time_or_not(tmp_path):
