@@ -13,6 +13,7 @@ from navfmu.campaign.requirement import MAIN, Requirement
 from navfmu.campaign.schema import RequirementEntry
 from navfmu.engine.monitor import Monitor, Observed
 from navfmu.errors import NavfmuError, nearest
+from navfmu.expressions.meaning import compile_expression
 from navfmu.files.schema import validated
 from navfmu.system.system import System
 from navfmu.testing.keywords import Keywords
@@ -31,6 +32,7 @@ class Asked:
 
     requirement: Requirement
     id: str
+    faults: tuple[str, ...]  # of which it asks whether they act
 
     @classmethod
     def of(cls, signal: str | None, given: Mapping[str, Any], system: System) -> Asked:
@@ -45,7 +47,10 @@ class Asked:
         requirement = requirement_of(
             entry, {system.variant or MAIN: system}, ["nominal"], math.inf, lambda text, *place: keywords.error(text)
         )
-        return cls(requirement, id if "id" in given else "")
+        named = requirement.program.faults
+        if entry.when:
+            named += compile_expression(entry.when, system.descriptions, named=system.phases).faults
+        return cls(requirement, id if "id" in given else "", tuple(dict.fromkeys(named)))
 
     @property
     def monitor(self) -> Monitor:
@@ -69,6 +74,15 @@ class Asked:
         if fault and fault not in faults:
             have = f" (faults: {', '.join(faults) or 'none'})"
             raise NavfmuError(f"requirement {self.words}: the run has no fault '{fault}'{nearest(fault, faults)}{have}")
+
+    def unknown(self, faults: Collection[str]) -> list[str]:
+        """Sentences on faults of which it asks whether they act, and which the run does not have."""
+        return [
+            f"requirement {self.words} asks whether fault '{fault}' acts, and the run has none of that name"
+            f"{nearest(fault, faults)}"
+            for fault in self.faults
+            if fault not in faults
+        ]
 
     def judge(self, seen: Mapping[str, Any]) -> str:
         """Why a run does not hold it, or ""; ``seen`` is what the run says of its monitors."""

@@ -161,7 +161,10 @@ class Bench:
         """Raise what a run violates, with its plot."""
         run.asked += asked
         for one in asked:
-            one.check_fault([fault.id for fault in run.experiment.faults])
+            ids = [fault.id for fault in run.experiment.faults]
+            one.check_fault(ids)
+            for sentence in one.unknown(ids):
+                warnings.warn(sentence, NavfmuWarning, stacklevel=4)
         seen = run.frame.attrs["observed"]
         if any(one.key not in seen for one in asked):  # required after the run: it is made again, and asked
             monitors = [one.monitor for one in dict.fromkeys(asked)]

@@ -441,3 +441,22 @@ def test_a_warning_of_a_run_is_one_of_the_test(folder):
     assert re.search(r"test_it\.py:4: NavfmuWarning: .* were lost", shown.out), shown.out
     ended = folder.pytest(text, "-W", "error")
     assert ended.counts == {"failed": 1} and "bench.py" not in ended.out
+
+
+def test_a_fault_that_a_requirement_asks_of_and_the_run_has_not_is_a_warning(folder):
+    """Wrong: it never acts, and a requirement on it holds without a word."""
+    shown = folder.pytest("""
+        def test_it(system):
+            with system("tracker.ssp") as s:
+                s.fault("lag.bias", at=1, value=1.0, id="push")
+                s.require(events="active(push) and lag.y > 1e6", id="KNOWN")
+                s.require(events="active(psuh)", id="TYPO")
+                s.require("lag.y", at_most=1e6, when="not active(shove)", id="ELSE")
+                s.run(3)
+    """)
+    assert shown.code == 0 and "KNOWN" not in shown.out, shown.out
+    for id, fault, hint in (("TYPO", "psuh", "; did you mean 'push'?"), ("ELSE", "shove", "")):
+        sentence = (
+            rf"test_it\.py:\d+: NavfmuWarning: requirement {id} .* asks whether fault '{fault}' acts, and the run "
+        )
+        assert re.search(rf"{sentence}has none of that name{re.escape(hint)}", shown.out), shown.out
