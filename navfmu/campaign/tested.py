@@ -17,7 +17,8 @@ def tested(outcome: Outcome, about: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Rows of words and values; ``about`` is the campaign's provenance."""
     campaign = outcome.campaign
     searched = len(outcome.every) - len(outcome.runs)
-    sizes = f"{len(campaign.systems)} variants x {len(campaign.cases)} cases x {len(campaign.seeds)} seeds"
+    counts = {"variant": campaign.systems, "case": campaign.cases, "seed": campaign.seeds}
+    sizes = " x ".join(f"{len(them)} {name}{'s' * (len(them) != 1)}" for name, them in counts.items())
     steps = " to ".join(f"{step:g}" for step in dict.fromkeys((campaign.steps[0], campaign.steps[-1])))
     versions = about["versions"]
     rows = [

@@ -129,7 +129,7 @@ def test_what_a_run_was_too_short_to_show_is_not_asked(tmp_path, capsys):
     assert found["R-0"].sentence.startswith("held in 0 of 0 runs; in 2 it could not be asked")
     assert [found[f"R-{number}"].verdict for number in range(3)] == ["no answer", "holds", "no answer"]  # not: violated
     words = "0 of 3 requirements, each asked of a variant in a case, are violated; 2 could be asked in no run; 1 hold"
-    assert words in outcome.report.read_text()
+    assert words in outcome.report.read_text() and "(1 variant x 2 cases x 2 seeds)" in outcome.report.read_text()
     assert pandas.read_csv(tmp_path / "out" / "verdicts.csv").verdict.tolist() == ["no answer", "holds", "no answer"]
     show(outcome)
     printed = capsys.readouterr().out
