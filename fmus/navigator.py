@@ -337,6 +337,14 @@ class Navigator(stations.StationTable, Component):
         )
         return sigmas, times
 
+    def rescaled(self, sigmas, airspeed, seen):
+        """What errors are multiplied by as the speed changes, shape (2, states): what is wrong with the airspeed goes
+        with its sigma, heading with the airspeed, and air velocity that is not believed with its own speed."""
+        grown = sigmas[:, 4:6] / np.maximum(self.modelled[:, 4:6], 1.0e-9)
+        faster = airspeed / np.maximum(self.airspeed, 1.0e-9)
+        air = np.where(seen, np.where(np.array([[0.0, 1.0], [0.0, 0.0]]) > 0.5, faster, grown), 1.0)
+        return np.concatenate([np.ones((2, 4)), air, np.ones((2, PLACES))], -1)
+
     def least_odds(self):
         """Logarithm of the odds before any range tells."""
         return np.log(np.maximum(self.prior, 1.0e-300))
@@ -361,13 +369,13 @@ class Navigator(stations.StationTable, Component):
         before = self.air_velocity + self.wind
         sigmas, times = self.error_model(np.sqrt(np.sum(before * before, axis=-1)), seen)
         decay = np.exp(-step / times)
-        factor, added = navigator.follow(self.modelled, sigmas, decay)
+        airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
+        factor, added = navigator.follow(self.modelled, sigmas, decay, self.rescaled(sigmas, airspeed, seen))
         air_error = factor[:, 4:6] * self.air_error
         wind = self.mean_wind + factor[:, :2] * (self.wind - self.mean_wind)
 
         age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
         heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
-        airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
         rows = navigator.velocity_rows(heading)
         now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 4:].T
         over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)

@@ -61,18 +61,22 @@ def offset(latitude, longitude, altitude, other_latitude, other_longitude):
     )
 
 
-def follow(before, now, decay):
+def follow(before, now, decay, scale=1.0):
     """How Gauss-Markov errors go on whose standard deviations change from ``before`` to ``now`` while they decay by
     ``decay``.
 
     A smaller sigma scales the errors; a larger one adds noise that is independent of them. Either way an error that
     nothing measures has the sigma that is claimed for it at every step; with a constant sigma it is (3.4), (3.5).
 
+    ``scale`` is what the errors themselves are multiplied by: that of heading, as a velocity, goes with the airspeed.
+    It is the same error at another speed; if each gust that comes added noise and each that goes took of the error, it
+    would be forgotten the sooner, the more often it is looked at.
+
     Returns
     -------
     Factor of the errors (the diagonal of Phi), and variance of what is added (the diagonal of C_d).
     """
-    factor = decay * np.minimum(1.0, now / np.maximum(before, 1.0e-9))
+    factor = scale * decay * np.minimum(1.0, now / np.maximum(scale * before, 1.0e-9))
     return factor, now * now - factor * factor * before * before
 
 

@@ -261,14 +261,16 @@ def test_a_run_has_as_many_degrees_of_freedom_as_its_errors_correlation_leaves(d
     assert beyond <= stats.binom.ppf(1.0 - 1e-6, 400, 0.075 if share == 0.5 else 0.05) / 400
 
 
-def test_a_single_run_that_is_too_far_off_is_told():
+@pytest.mark.parametrize("lasting", [0.0, 1.0], ids=["scatters", "lasts"])
+def test_a_single_run_that_is_too_far_off_is_told(lasting):
     """One of three flights is wrong by four sigma all the time: its mean square of 16 is beyond any chi-square of as
-    many degrees of freedom as a run with changing errors has."""
+    many degrees of freedom as a run with changing errors has, and, by a little, beyond that of a single one: an error
+    that lasts for the run leaves all of them no more."""
     rng = np.random.default_rng(5)
     honest = flown()
     runs = [run.copy() for run in honest.runs["main"]]
     for run, size in zip(runs, (0.7, 0.7, 4.0), strict=True):
-        noise = size * rng.standard_normal(len(run))
+        noise = size * (rng.standard_normal(len(run)) if lasting == 0.0 or size < 1.0 else np.ones(len(run)))
         run["ahrs.attitude.heading"] = run["aircraft.heading"] + run["ahrs.attitude.heading_sigma"] * noise
         run["evaluation.north_error"] = run["navigator.north_sigma"] * np.sqrt(2.0) * noise
     judged = real_flights.Judged(replace(honest, runs={"main": runs}))
