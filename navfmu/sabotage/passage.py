@@ -66,7 +66,8 @@ class Passage:
     @cached_property
     def entering(self) -> list[int]:
         """The signals that come from the component."""
-        return [slot for slot in self.slots if slot < self.plan.first_driven and self.keys[slot][0] == self.behind]
+        own = (slot for slot in self.slots if slot < self.plan.first_driven and self.keys[slot][0] == self.behind)
+        return [slot for slot in own if self.variable(self.keys[slot]).causality == "output"]  # not its inputs
 
     @cached_property
     def undisturbed(self) -> dict[int, float]:

@@ -19,6 +19,7 @@ from navfmu import Fault, System
 from navfmu.engine.link import TYPES as SORTS
 from navfmu.faults import TYPES
 from navfmu.fmi import names
+from navfmu.ssp.writer import SystemSource
 from tests.components import systems
 from tests.sabotage.sabotaged import READING, RECEIVERS, STEPS, H, fly, foreign, last, late, own, package, same
 
@@ -105,6 +106,17 @@ def test_from_the_beginning(system, tmp_path, start):
 
 def test_at_the_input_of_one_receiver(system, tmp_path):
     check(system, tmp_path, ["lag.u"], Fault("it", "lag.u", "drift", START, DURATION, rate=0.5))
+
+
+def test_at_an_input_of_the_component_whose_output_it_is(tmp_path):
+    """The input is not one more output of the component, to be taken from there."""
+    source = SystemSource("loop", fmus=systems.fmus(), stop_time=STEPS * H, step=H)
+    source.component("one", "lag.fmu").component("two", "lag.fmu").connect("one.y", "one.u").connect("one.y", "two.u")
+    system = System.load(source.parameters("one", {"y0": 1.0}).pack(tmp_path / "loop.ssp"))
+    fault = Fault("it", "one.u", "bias", START, 1.0, value=1.0)
+    expected = own(system, *late("one.u"), fault, record=["one.y", "two.y"])
+    package(system, tmp_path / "it.ssp", fault)
+    assert same(fly(System.load(tmp_path / "it.ssp"), record=["one.y", "two.y"]), expected)
 
 
 @pytest.mark.parametrize("kind", ["dropout", "stuck"])
