@@ -41,10 +41,11 @@ def saboteurs(plan: Plan, links: Iterable[Link], seed: int, direct: bool) -> lis
 
     ``direct``: their outputs follow inputs that are set at the same communication point.
     """
-    return [_saboteur(passage, seed, direct) for passage in passages(plan, links)]
+    taken: set[str] = set()  # names of models
+    return [_saboteur(passage, seed, direct, taken) for passage in passages(plan, links)]
 
 
-def _saboteur(passage: Passage, seed: int, direct: bool) -> Saboteur:
+def _saboteur(passage: Passage, seed: int, direct: bool, taken: set[str]) -> Saboteur:
     behind = passage.behind
     name = _free(f"{behind}_saboteur" if behind else "saboteur", passage.system)
     inputs = {passage.keys[slot]: f"{BEFORE}{passage.keys[slot][1]}" for slot in passage.entering}
@@ -56,7 +57,8 @@ def _saboteur(passage: Passage, seed: int, direct: bool) -> Saboteur:
     if place is not None:
         variables.append(_seed(place, seed))
     sources = [tuple(map(passage.entering.index, of_one)) for of_one in passage.sources]
-    model_name = re.sub(r"\W", "_", name, flags=re.ASCII)
+    model_name = _free(re.sub(r"\W|^(?=\d)", "_", name, flags=re.ASCII), taken)
+    taken.add(model_name)
     header, memory = tables(passage, f"{model_name}_through", -1 if place is None else place)
     files = {file.name: file.read_text(encoding="utf-8") for file in FILES} | {"tables.h": header}
     model = ir.Model(

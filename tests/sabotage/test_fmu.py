@@ -21,6 +21,7 @@ from navfmu.export.description import describe
 from navfmu.export.toolchain import TARGETS
 from navfmu.fmi.units import Unit
 from navfmu.sabotage.saboteur import saboteurs
+from navfmu.ssp.writer import SystemSource
 from tests import sanitizers
 from tests.components import systems
 from tests.conformance import hosts
@@ -74,6 +75,18 @@ def test_they_are_valid_and_say_what_depends_on_what(fmus, unzipped):
         "seed",
     }
     assert sensor["reading.length"].find("Real").get("unit") == "m"
+
+
+def test_names_of_components_that_no_model_has(tmp_path):
+    """Names that differ in such characters only give models with names of their own; none begins with a digit."""
+    source = SystemSource("names", fmus=systems.fmus(), stop_time=STEPS * H, step=H)
+    names = ("a-b", "a b", "1st")
+    for name in names:
+        source.component(name, "source.fmu")
+    faults = [Fault(f"F{i}", f"{name}.y", "bias", value=1.0) for i, name in enumerate(names)]
+    experiment = System.load(source.pack(tmp_path / "it.ssp")).experiment(stop=STEPS * H, step=H, faults=faults)
+    found = saboteurs(experiment.plan(), experiment.system.links, 5, False)
+    assert [one.model.name for one in found] == ["a_b_saboteur", "a_b_saboteur_", "_1st_saboteur"]
 
 
 def test_units_of_other_makers_are_taken_over_as_they_are():
