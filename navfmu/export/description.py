@@ -48,6 +48,9 @@ DISPLAY_UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "V": {"mV": (1e3, 0.0)},
 }
 
+#: One part of a structured name: an identifier or anything in single quotes, and indices.
+_PART = r"([A-Za-z_]\w*|'([^'\\]|\\.)+')(\[\d+(, ?\d+)*\])?"
+
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>'
 
 
@@ -155,7 +158,7 @@ def _lines(
             "guid": guid,
             "description": _one_line(model.description),
             "generationTool": f"navfmu {__version__}",
-            "variableNamingConvention": "structured",
+            "variableNamingConvention": "structured" if all(map(_is_structured, model.variables)) else "flat",
             "numberOfEventIndicators": 0,
         },
     )
@@ -210,6 +213,11 @@ def _lines(
     yield from _structure(model)
     yield "</fmiModelDescription>"
     yield ""
+
+
+def _is_structured(variable: ir.Variable) -> bool:
+    """Whether a name is one of the structured convention, FMI 2.0.4 section 2.2.9, without derivatives."""
+    return re.fullmatch(rf"{_PART}(\.{_PART})*", variable.name, flags=re.ASCII) is not None
 
 
 def _units(model: ir.Model) -> Iterable[str]:

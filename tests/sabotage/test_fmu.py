@@ -89,6 +89,19 @@ def test_names_of_components_that_no_model_has(tmp_path):
     assert [one.model.name for one in found] == ["a_b_saboteur", "a_b_saboteur_", "_1st_saboteur"]
 
 
+def test_names_of_other_makers_are_not_said_to_be_structured(tmp_path):
+    """An identifier has no sign but _ and no letter of other alphabets; what validates says so for one name each."""
+    source = SystemSource("names", fmus=systems.fmus(), stop_time=STEPS * H, step=H)
+    source.component("truth", "source.fmu").component("l ä", "lag.fmu").connect("truth.y", "l ä.u")
+    given = {"stop": STEPS * H, "step": H, "faults": [Fault("it", "l ä.u", "bias", value=1.0)]}
+    experiment = System.load(source.pack(tmp_path / "it.ssp")).experiment(**given)
+    (one,) = saboteurs(experiment.plan(), experiment.system.links, 5, False)
+    (path,) = build([one.model], tmp_path, pictures=False)
+    assert validate_fmu(str(path)) == []
+    assert [v.name for v in one.model.variables] == ["true.y", "to.l ä.u"]
+    assert 'variableNamingConvention="structured"' in describe(made()[1].model, "{x}")
+
+
 def test_units_of_other_makers_are_taken_over_as_they_are():
     """One that is no SI unit with its factor; of one that nobody defines the name, and not that it has no dimension."""
     feet = Unit("ft", (0, 1, 0, 0, 0, 0, 0, 0), 0.3048)
