@@ -52,10 +52,11 @@ class Threshold:
         holds, violated = self.bracket.holds_at, self.bracket.violated_at
         if holds is not None and violated is not None:
             one, other = texts(axis, [holds, violated], 9)
-            return f"holds at {axis.name} = {one}, is violated at {other}{self._silent}"
+            return f"holds at {axis.name} = {one}, is violated at {other}{self._silent}{self._unharmed(holds)}"
         what = "holds" if violated is None else "is violated"
         ends = " and at ".join(texts(axis, [span.low, span.high], 9))
-        return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at{self._silent}"
+        unharmed = self._unharmed(span.low, span.high) if violated is None else ""
+        return f"{what} at both ends, {axis.name} = {ends}: nothing between them was looked at{self._silent}{unharmed}"
 
     @property
     def _silent(self) -> str:
@@ -63,6 +64,16 @@ class Threshold:
         asked = [self.requirement.id in probe.findings or probe.error is not None for probe in self.probes]
         never = asked.count(False)
         return f"; in {never} of its {len(asked)} runs it could not be asked, which counts as violated" if never else ""
+
+    def _unharmed(self, *values: float) -> str:
+        """What to say of values at which it holds without a fault that does anything."""
+        names = {self.sought.search.at(value).name: value for value in values}
+        return "".join(
+            f"; at {self.sought.search.axis.text(names[probe.run.case.name], 9)} fault '{fault}' {why}"
+            for probe in self.probes
+            if probe.run.case.name in names
+            for fault, why in probe.answer.idle.items()
+        )
 
     @property
     def idle(self) -> dict[str, str]:

@@ -359,3 +359,26 @@ def test_only_variants_that_the_requirement_is_asked_of_are_searched(tmp_path):
     outcome = searched(tmp_path / "c.toml", tmp_path / "out")
     assert [threshold.sought.variant for threshold in outcome.thresholds] == ["slow"]
     assert {judged.run.variant for judged in outcome.every} == {"slow"}
+
+
+def test_a_value_at_which_the_fault_does_nothing_is_no_margin_in_silence(tmp_path):
+    """The condition is true from 1.1 s of 5 s on: held for 3.9 s the fault never acts, and nothing is violated.
+
+    Wrong: "holds at size = 3.8125" as if the system had stood it.
+    """
+    file = lag(tmp_path, "fault.push.hold", 0.1, 10.0, 0.5, head="seeds = [1]")
+    push = tmp_path / "push.toml"
+    push.write_text(push.read_text().replace("value = 3.0", 'value = 80.0\nwhen = "time > 1 s"'))
+    outcome = run_campaign(load_campaign(file), tmp_path / "out", workers="thread")
+    (found,) = outcome.thresholds
+    assert found.bracket == Bracket(3.8125, 3.503125)
+    told = "; at 3.8125 fault 'push' never acted: 'time > 1 s' did not hold for 3.8125 s just before any point"
+    assert told in found.sentence and "at 3.503125 fault" not in found.sentence
+
+    push.write_text(push.read_text().replace("value = 80.0", "value = 1.0"))
+    outcome = run_campaign(load_campaign(file), tmp_path / "mild", workers="thread")
+    sentence = outcome.thresholds[0].sentence
+    assert sentence.startswith(
+        "holds at both ends, size = 0.1 and at 10: nothing between them was looked at; at 10 fault"
+    )
+    assert "'push' never acted" in sentence and "at 0.1 fault" not in sentence
