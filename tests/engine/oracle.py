@@ -205,7 +205,7 @@ def simulate(
                 return free(f"{name}.{variable}", t), 0.0
             source, output = link.source.split(".", 1)
             begin = passed(link, now[link.source])
-            if source not in done:
+            if source not in done or (source, name) in cut:
                 return begin, 0.0
             if output != "y" or variable != "u":  # discrete: the newest, as it leaves
                 return passed(link, disturbed(true(link.source), link.source, faults, acting.at(end), end)), 0.0
