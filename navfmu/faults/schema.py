@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict, create_model
 
 from navfmu.faults.fault import PARAMETERS, TIMES
-from navfmu.faults.types import TYPES
+from navfmu.faults.types import TIMING, TYPES
 from navfmu.files.schema import Field, Number, Table, Texts
 
 Value = Number | bool | str | list[Number | bool | str]
@@ -23,6 +23,25 @@ KINDS = {  # by the sort of a parameter, how it may be written; the others are v
     "text": str,
     "expression": str,
 }
+LIMITS: dict[str, dict[str, Any]] = {  # what a schema says of numbers and texts of a sort
+    "time": {"exclusiveMinimum": 0},
+    "delay": {"minimum": 0},
+    "positive": {"exclusiveMinimum": 0},
+    "unit": {"minLength": 1},
+    "text": {"minLength": 1},
+    "expression": {"minLength": 1},
+}
+
+
+def _rules(schema: dict[str, Any]) -> None:
+    """Say in the JSON schema which entries each type of fault takes, and which times go together."""
+    _by_type(schema)
+    for timing in TIMING:
+        name = timing.parameter.name
+        if timing.needs:
+            beside = {"anyOf": [{"required": [other]} for other in timing.needs]}
+            schema["allOf"].append({"if": {"required": [name]}, "then": beside})
+        schema["allOf"] += [{"not": {"required": [name, other]}} for other in timing.excludes]
 
 
 def _by_type(schema: dict[str, Any]) -> None:
@@ -52,7 +71,7 @@ def _words(name: str) -> str:
 class _Entry(Table):
     """One fault: what fails, how, and when."""
 
-    model_config = ConfigDict(json_schema_extra=_by_type)
+    model_config = ConfigDict(json_schema_extra=_rules)
     noun: ClassVar[str] = "fault"
 
     id: str = Field(description="name of the fault, unique in the file; also names its random numbers")
@@ -64,8 +83,12 @@ class _Entry(Table):
         description="; ".join(f"{kind.name} ({kind.target}): {kind.effect}" for kind in TYPES.values()),
         json_schema_extra={"enum": list(TYPES)},
     )
-    start: Time = Field(0.0, description='when it begins: s, or a text such as "5 min"')
-    duration: Time | None = Field(None, description="how long it lasts; default: to the end")
+    start: Time = Field(
+        0.0, description='when it begins: s, or a text such as "5 min"', json_schema_extra=LIMITS["delay"]
+    )
+    duration: Time | None = Field(
+        None, description="how long it lasts; default: to the end", json_schema_extra=LIMITS["time"]
+    )
     fmea: str = Field("", description="row of the failure modes and effects analysis")
     description: str = Field("", description="what happens, in words")
 
@@ -79,7 +102,10 @@ FaultEntry = create_model(
     __base__=_Entry,
     __doc__=_Entry.__doc__,
     **{
-        name: (KINDS.get(parameter.sort, Value) | None, Field(None, description=_words(name) or parameter.words))
+        name: (
+            KINDS.get(parameter.sort, Value) | None,
+            Field(None, description=_words(name) or parameter.words, json_schema_extra=LIMITS.get(parameter.sort)),
+        )
         for name, parameter in (PARAMETERS | TIMES).items()
     },
 )

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from navfmu.cli.main import main
 from navfmu.cli.schema import KINDS, schema
+from navfmu.faults.file import parse_faults
 
 ROOT = Path(__file__).parents[2]
 FILES = {
@@ -51,6 +52,20 @@ FAULT = '[[fault]]\nid = "F"\ntarget = "a.y"\ntype = "bias"\n'
         ("faults", FAULT + "value = 1\nrate = 1"),
         ("faults", FAULT + "value = 1\nduraton = 1"),
         ("faults", FAULT.replace("bias", "biass") + "value = 1"),
+        ("faults", FAULT + "value = 1\nhold = 1"),
+        ("faults", FAULT + 'value = 1\nwhen = "a.y > 1"\nduring = "a.y > 1"'),
+        ("faults", FAULT + 'value = 1\nwhen = "a.y > 1"\nmttf = 3'),
+        ("faults", FAULT + "value = 1\non = 1"),
+        ("faults", FAULT + "value = 1\nshape = 2"),
+        ("faults", FAULT + 'value = 1\ncause = "x"'),
+        ("faults", FAULT + 'value = 1\nwhen = ""'),
+        ("faults", FAULT + "value = 1\non = -1\noff = 1"),
+        ("faults", FAULT + "value = 1\nmttf = 0"),
+        ("faults", FAULT + "value = 1\nmttf = 1\nshape = 0"),
+        ("faults", FAULT + "value = 1\nduration = 0"),
+        ("faults", FAULT + "value = 1\nduration = -1"),
+        ("faults", FAULT + "value = 1\nstart = -1"),
+        ("faults", FAULT + 'value = 1\nwhen = "a.y > 1"\nhold = -1'),
     ],
 )
 def test_what_the_reader_refuses_the_schema_refuses(kind, text):
@@ -69,3 +84,18 @@ def test_every_entry_of_a_schema_says_what_it_means():
 def test_an_unknown_kind_is_answered_with_the_nearest():
     result = CliRunner().invoke(main, ["schema", "campain"])
     assert result.exit_code == 2 and "did you mean 'campaign'? (there are: campaign, faults" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "times",
+    [
+        "start = 0",
+        'when = "a.y > 1"\nhold = 0\nduration = "3 s"',
+        'during = "cruise"\non = 1\noff = 2\nstart = 3',
+        'during = "cruise"\nmttf = "1 min"\nmttr = 3\nshape = 2\ncause = "bus"',
+    ],
+)
+def test_times_that_the_reader_takes_the_schema_takes(times):
+    text = FAULT + "value = 1\n" + times
+    assert parse_faults(text)
+    jsonschema.validate(tomllib.loads(text), json.loads(schema("faults")))
