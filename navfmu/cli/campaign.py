@@ -76,6 +76,9 @@ def command(
 
         write_task(outcome, task)
     show(outcome)
+    for what, written in (("verdicts as JUnit XML", verdicts), ("traceability", task)):
+        if written is not None:
+            click.echo(f"{what}: {written}")
     if strict and not outcome.passed:
         sys.exit(1)
 

@@ -55,5 +55,7 @@ def command(
     from navfmu.cli.summary import summarise
 
     summarise(frame, loaded, out)
+    if task is not None:
+        click.echo(f"traceability: {task}")
     if report is not None:
         click.echo(f"report: {report}")

@@ -98,7 +98,7 @@ def test_a_run_says_what_was_run_and_what_came_of_it(standard, tmp_path):
     file = folder / "run.stmd"
     options = ["--faults", "stuck", "--set", "lag.tau=2 s", "--seed", 4, "--step", 0.05, "--stop", 10]
     done = navfmu("run", systems.tracker(), *options, "--out", out, "--report", folder, "--stmd", file)
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == 0 and f"traceability: {file}" in done.output, done.output
     task = check(file, standard, tmp_path)
     system = System.load(systems.tracker())
     assert entries(task, "fmus.sha256") == system.hashes()
@@ -138,7 +138,7 @@ def test_a_campaign_says_how_it_was_judged(standard, tmp_path):
     out = tmp_path / "out"
     file = out / "task.stmd"
     done = navfmu("campaign", tmp_path / "c.toml", "--out", out, "--stmd", file)
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == 0 and f"traceability: {file}" in done.output, done.output
     task = check(file, standard, tmp_path)
     assert set(entries(task, "verdicts").items()) == {("R1, main, nominal", "holds"), ("R2, main, nominal", "violated")}
     kinds = [kind for kind, _ in resources(task, "Input")]
