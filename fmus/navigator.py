@@ -14,6 +14,8 @@ STATES = 2 + navigator.VELOCITIES + PLACES
 LONG_AGO = -1.0e9
 FOREVER = 1.0e12
 """Correlation time of what is constant, s."""
+SLOW = 1.0
+"""Speed and error of a speed below which neither says how an error grows, m/s."""
 BEGUN_ANEW = 1.0e4
 """Variance of a position that is not believed at all, in squares of what it is wrong by."""
 
@@ -339,9 +341,10 @@ class Navigator(stations.StationTable, Component):
 
     def rescaled(self, sigmas, airspeed, seen):
         """What errors are multiplied by as the speed changes, shape (2, states): what is wrong with the airspeed goes
-        with its sigma, heading with the airspeed, and air velocity that is not believed with its own speed."""
-        grown = sigmas[:, 4:6] / np.maximum(self.modelled[:, 4:6], 1.0e-9)
-        faster = airspeed / np.maximum(self.airspeed, 1.0e-9)
+        with its sigma, heading with the airspeed, and air velocity that is not believed with its own speed. What is
+        slower than ``SLOW`` counts as that: an error that is next to nothing tells nothing of a larger one."""
+        grown = np.maximum(sigmas[:, 4:6], SLOW) / np.maximum(self.modelled[:, 4:6], SLOW)
+        faster = np.maximum(airspeed, SLOW) / np.maximum(self.airspeed, SLOW)
         air = np.where(seen, np.where(np.array([[0.0, 1.0], [0.0, 0.0]]) > 0.5, faster, grown), 1.0)
         return np.concatenate([np.ones((2, 4)), air, np.ones((2, PLACES))], -1)
 
