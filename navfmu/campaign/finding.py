@@ -55,5 +55,5 @@ def percent(value: float) -> str:
 
 
 def times(count: float) -> str:
-    """ "once", "3 times"."""
+    """ "1 time", "3 times"."""
     return "1 time" if count == 1 else f"{count:g} times"
