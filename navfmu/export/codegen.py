@@ -20,9 +20,9 @@ def generate(model: ir.Model, guid: str) -> str:
     return "\n".join(_source(model, guid)) + "\n"
 
 
-def clocks(model: ir.Model) -> list[int]:
-    """Return the indices in ``v`` of the distinct periods that drive the model."""
-    return list(dict.fromkeys(task.period for task in model.tasks if task.period is not None))
+def clocks(model: ir.Model) -> list[ir.Clock]:
+    """Return the distinct clocks that drive the model."""
+    return list(dict.fromkeys(task.clock for task in model.tasks if task.clock is not None))
 
 
 def continuous_inputs(model: ir.Model) -> list[int]:
@@ -58,18 +58,13 @@ def _check(model: ir.Model) -> None:
             raise NavfmuError(f"component '{model.name}': two variables are named '{name}'")
     if len(clocks(model)) > 64:
         raise NavfmuError(f"component '{model.name}' has {len(clocks(model))} clocks; expected at most 64")
-    for index in clocks(model):
-        if model.variables[index].variability != "fixed":
-            raise NavfmuError(
-                f"component '{model.name}': the period '{model.variables[index].name}' must be a fixed parameter"
-            )
     if any(task.normals for task in model.tasks) and (model.seed is None or model.stream is None):
         raise NavfmuError(f"component '{model.name}' takes noise but has no parameters 'seed' and 'stream'")
 
 
 def _source(model: ir.Model, guid: str) -> Iterable[str]:
     _check(model)
-    periods = clocks(model)
+    ticking = clocks(model)
     yield f"/* The model {model.name}, generated from its equations. */"
     yield '#include "model.h"'
     yield ""
@@ -98,11 +93,12 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield from _array("int", "model_inputs", inputs)
     slots = {index: slot for slot, index in enumerate(inputs)}
     yield from _array("int", "model_input_slot", (slots.get(v.index, -1) for v in model.variables))
-    yield from _array("int", "model_clocks", periods)
+    places = ((c.period, -1 if c.offset is None else c.offset) for c in ticking)
+    yield from _array("ClockInfo", "model_clocks", (f"{{{period}, {offset}}}" for period, offset in places))
     for i, task in enumerate(model.tasks):
         yield from _array("int", f"targets_{i}", task.targets)
         yield from _array("int", f"wholes_{i}", _wholes(model, task))
-    yield from _array("Task", "model_tasks", (_task(model, i, periods) for i in range(len(model.tasks))))
+    yield from _array("Task", "model_tasks", (_task(model, i, ticking) for i in range(len(model.tasks))))
     messages = []
     for i, check in enumerate(model.checks):
         message, values = _message(check)
@@ -133,7 +129,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "tasks": "model_tasks",
         "check_count": len(model.checks),
         "checks": "model_checks",
-        "clock_count": len(periods),
+        "clock_count": len(ticking),
         "clocks": "model_clocks",
         "table_count": len(model.tables),
         "tables": "model_tables",
@@ -177,10 +173,10 @@ def _wholes(model: ir.Model, task: ir.Task) -> list[int]:
     return [place for place, index in enumerate(task.targets) if model.variables[index].type == "Integer"]
 
 
-def _task(model: ir.Model, i: int, periods: list[int]) -> str:
+def _task(model: ir.Model, i: int, ticking: list[ir.Clock]) -> str:
     task = model.tasks[i]
     kind = {"start": "ON_START", "every": "ON_CLOCK", "on_new": "ON_NEW"}[task.kind]
-    clock = 0 if task.period is None else periods.index(task.period)
+    clock = 0 if task.clock is None else ticking.index(task.clock)
 
     def place(index: int | None) -> int:
         return -1 if index is None else index

@@ -187,7 +187,7 @@ def _lines(
         "    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in life.categories().items()
     )
     yield "  </LogCategories>"
-    periods = [model.variables[i].start for i in clocks(model)]
+    periods = [model.variables[clock.period].start for clock in clocks(model)]
     step = min(periods, default=model.through.step if model.through else 0.01)
     experiment = {
         "startTime": 0.0,

@@ -147,8 +147,12 @@ def _tasks(model: ir.Model) -> Iterable[dict[str, Any]]:
 
 def _when(model: ir.Model, task: ir.Task) -> list[Piece]:
     if task.kind == "every":
-        period = model.variables[task.period]
-        return pieces(f"every `{period.name}` ({period.start:g} s unless set), at k times that period")
+        period = model.variables[task.clock.period]
+        what = f"every `{period.name}` ({period.start:g} s unless set), "
+        if task.clock.offset is None:
+            return pieces(f"{what}at k times that period")
+        offset = model.variables[task.clock.offset]
+        return pieces(f"{what}at `{offset.name}` ({offset.start:g} s unless set) and k times that period")
     if task.kind == "on_new":
         bundle = model.variables[task.sequence].name.rpartition(".")[0]
         return pieces(f"at the first tick that sees new data in `{bundle}`")

@@ -32,6 +32,30 @@ _TIMES = ("time", "start_time", "stop_time", "elapsed", "base", "rest", "step", 
 _EPSILON = 2.220446049250313e-16
 
 
+@dataclasses.dataclass
+class Clock:
+    """When tasks run: tick k comes at ``origin + (k - first) * period`` since the start (s)."""
+
+    ticks: int  # number of the last tick that was made,
+    first: int  # of the one whose time is
+    origin: float
+    period: float  # that holds from there on
+
+    @property
+    def due(self) -> float:
+        """When the next tick comes (s)."""
+        return self.origin + (self.ticks + 1 - self.first) * self.period
+
+    def retime(self, period: float, now: float) -> None:
+        """The period has changed: the next tick comes one new period after the last, at once if that has passed."""
+        if self.ticks >= self.first:
+            last = self.origin + (self.ticks - self.first) * self.period
+            late = last + period < now
+            self.origin = now if late else last
+            self.first = self.ticks + late
+        self.period = period
+
+
 class FloatFrame(Frame):
     """Floats for everything a task can read."""
 
@@ -137,7 +161,7 @@ def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
 def _number(component: type[Component]) -> str:
     """Return a hash of a component's variables, tasks and tables: what a saved state must fit."""
     layout = component.layout
-    tasks = [(task.name, task.kind, task.argument) for task in layout.tasks]
+    tasks = [(task.name, task.kind, task.argument, task.offset) for task in layout.tasks]
     digest = hashlib.sha256(repr((variables(component), tasks)).encode())
     for table in layout.tables:
         digest.update(table.rows.tobytes())
@@ -161,8 +185,8 @@ class Interpreter:
         self._index = {v.name: v.index for v in self.variables}
         self._settable = [life.settable(v.causality, v.variability, v.initial) for v in self.variables]
         self._smooth = {v.index for v in self.variables if v.causality == "input" and v.variability == "continuous"}
-        periods = [self._period(task) for task in self.layout.tasks]
-        self._clocks = list(dict.fromkeys(p for p in periods if p is not None))
+        self._clock_of = [self.layout.clock(task) for task in self.layout.tasks]
+        self._ticking = list(dict.fromkeys(clock for clock in self._clock_of if clock is not None))
         self._calculated = any(v.initial == "calculated" for v in self.variables)
         self.events: list[str] = []  # what was said under logEvents, until somebody clears it
         self.reset()
@@ -180,7 +204,7 @@ class Interpreter:
         self.steps = 0
         self.state = State.INSTANTIATED
         self.slopes: dict[int, float] = {}
-        self.counts = [0] * len(self._clocks)
+        self.clocks: dict[ir.Clock, Clock] = {}
         self.last = [0] * len(self.layout.tasks)
         self._before: dict | None = None
 
@@ -212,6 +236,9 @@ class Interpreter:
         self._preview()
         self._before = None  # what was calculated stays
         self.time = self.start_time
+        for clock in self._ticking:
+            offset = 0.0 if clock.offset is None else float(self.values[clock.offset])
+            self.clocks[clock] = Clock(-1 if offset > 0 else 0, 0, offset, float(self.values[clock.period]))
         self.state = State.STEPPING
 
     def terminate(self) -> None:
@@ -283,6 +310,8 @@ class Interpreter:
                 self._refuse("NOT_WHOLE", variable.name, value)
             if self.state == State.STEPPING and variable.causality == "parameter":
                 sentence = self._range_sentence(variable, float(value))
+                if not sentence and reference in {clock.period for clock in self._ticking}:
+                    sentence = self._period_sentence(variable, float(value))
                 if sentence:
                     raise NavfmuError(sentence)
         self._undo_preview()
@@ -312,7 +341,7 @@ class Interpreter:
             "steps": self.steps,
             "state": int(self.state),
             "slopes": [[i, slope] for i, slope in self.slopes.items()],
-            "counts": list(self.counts),
+            "clocks": [dataclasses.astuple(clock) for clock in self.clocks.values()],
             "last": list(self.last),
         }
 
@@ -326,7 +355,8 @@ class Interpreter:
             setattr(self, name, value)
         self.steps, self.state = state["steps"], State(state["state"])
         self.slopes = {int(i): slope for i, slope in state["slopes"]}
-        self.counts, self.last = list(state["counts"]), list(state["last"])
+        self.clocks = {key: Clock(*row) for key, row in zip(self._ticking, state["clocks"], strict=False)}
+        self.last = list(state["last"])
 
     def _preview(self) -> None:
         """Calculate what depends on what was set so far; when that fails, nothing has changed."""
@@ -363,13 +393,22 @@ class Interpreter:
             return life.sentence("AT_MOST", *told, high, space, unit)
         return life.sentence("NO_NUMBER", variable.name)
 
+    @staticmethod
+    def _period_sentence(variable: ir.Variable, value: float) -> str | None:
+        good = math.isfinite(value) and value > 0
+        return None if good else life.sentence("NO_PERIOD", variable.name, value)
+
+    def _clock_sentences(self) -> Iterable[str | None]:
+        for clock in self._ticking:
+            yield self._period_sentence(self.variables[clock.period], float(self.values[clock.period]))
+            offset = 0.0 if clock.offset is None else float(self.values[clock.offset])
+            if not (math.isfinite(offset) and offset >= 0):
+                yield life.sentence("NO_OFFSET", self.variables[clock.offset].name, offset)
+
     def _check_parameters(self) -> None:
         parameters = [v for v in self.variables if v.causality == "parameter"]
         sentences = [s for v in parameters if (s := self._range_sentence(v, float(self.values[v.index])))]
-        for clock in self._clocks if not sentences else ():
-            period = float(self.values[clock])
-            if not (math.isfinite(period) and period > 0):
-                sentences.append(life.sentence("NO_PERIOD", self.variables[clock].name, period))
+        sentences = sentences or [s for s in self._clock_sentences() if s]
         for requirement in self.layout.requirements if not sentences else ():
             frame = FloatFrame(self.layout, self.values, self.start_time, 0.0)
             holds = requirement.function(self.component(frame))
@@ -382,10 +421,6 @@ class Interpreter:
             raise NavfmuError(" ".join(sentences))
 
     # --- stepping ---
-
-    def _period(self, task: TaskDeclaration) -> int | None:
-        name = {"start": None, "every": task.argument, "on_new": self.layout.tick}[task.kind]
-        return None if name is None else self.layout.fields[name].index
 
     def _run(self, task: TaskDeclaration, k: int, time: float, period: float) -> None:
         _run_task(self.component, task, self.values, k, time, period)
@@ -407,9 +442,6 @@ class Interpreter:
     @staticmethod
     def _tolerance(period: float, start: float, end: float) -> float:
         return 1e-9 * period + 4 * _EPSILON * max(abs(start), abs(end))
-
-    def _due(self, clock: int) -> float:
-        return float((self.counts[clock] + 1) * self.values[self._clocks[clock]])
 
     def _move_clock(self, h: float, end: float) -> None:
         """Add the step to the time since the start, within the resolution of the host's clock.
@@ -439,17 +471,14 @@ class Interpreter:
         for i, slope in self.slopes.items():
             if slope != 0:
                 self.values[i] = held[i] + slope * since
-        due = set()
-        for clock, index in enumerate(self._clocks):
-            if self._due(clock) <= elapsed + tolerance:
-                due.add(index)
-                self.counts[clock] += 1
-        for number, task in enumerate(self.layout.tasks):
-            index = self._period(task)
+        due = {key for key, clock in self.clocks.items() if clock.due <= elapsed + tolerance}
+        for key in due:
+            self.clocks[key].ticks += 1
+        for number, (task, key) in enumerate(zip(self.layout.tasks, self._clock_of, strict=True)):
             if task.kind == "on_new":
-                self._run_on_new(number, task, time, tolerance, float(self.values[index]))
-            elif task.kind == "every" and index in due:
-                self._run(task, self.counts[self._clocks.index(index)], time, float(self.values[index]))
+                self._run_on_new(number, task, time, tolerance, self.clocks[key].period)
+            elif task.kind == "every" and key in due:
+                self._run(task, self.clocks[key].ticks, time, self.clocks[key].period)
 
     def do_step(self, t: float, h: float) -> None:
         """Do everything that is due up to and including ``t + h`` (s)."""
@@ -473,12 +502,14 @@ class Interpreter:
         """All ticks up to and including the time ``end`` (s)."""
         origin = self.time - self.start_time
         held = self.values.copy() if self.slopes else self.values
+        for key, clock in self.clocks.items():
+            if self.values[key.period] != clock.period:
+                clock.retime(float(self.values[key.period]), self.elapsed)
         self._move_clock(h, end)
         try:
-            while self._clocks:
-                first = min(range(len(self._clocks)), key=self._due)
-                due, period = self._due(first), float(self.values[self._clocks[first]])
-                tolerance = self._tolerance(period, self.start_time, end)
+            while self.clocks:
+                first = min(self.clocks.values(), key=lambda clock: clock.due)
+                due, tolerance = first.due, self._tolerance(first.period, self.start_time, end)
                 if not due <= self.elapsed + tolerance:
                     break
                 self._tick(due, tolerance, max(due - origin, 0.0), held)

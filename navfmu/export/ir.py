@@ -57,6 +57,14 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """Ticks at ``offset + k * period`` since the start; both are indices in v of Real parameters in s."""
+
+    period: int
+    offset: int | None = None  # its value is 0 where there is none
+
+
+@dataclass(frozen=True)
 class Task:
     """One piece of behaviour: when it runs, and the function that computes the new values.
 
@@ -71,7 +79,7 @@ class Task:
     targets: tuple[int, ...]
     normals: int = 0
     stream: int = 0  # third word of the noise counter, distinct for each task
-    period: int | None = None  # index in v of the Real parameter with the period in s ("on_new": of its ticks)
+    clock: Clock | None = None  # which runs it ("every"), and whose period it is told ("every" and "on_new")
     sequence: int | None = None  # "on_new": index in v of the bundle's sequence number
     time_of_validity: int | None = None  # "on_new"
     lost: int | None = None  # "on_new": index in v of the Integer output that counts lost samples

@@ -118,13 +118,14 @@ class Layout:
         elif isinstance(member, Table):
             self.tables.append(member)
         elif hasattr(member, "_navfmu_task"):
-            kind, argument, place = member._navfmu_task
+            kind, argument, offset, place = member._navfmu_task
             check_text(place, f"task '{name}'", member.__doc__ or "")
             parameters = list(inspect.signature(member).parameters)
             if parameters[1:] not in ([], ["noise"]):
                 self.fail(f"task '{name}' takes self and, if it needs random numbers, noise", place)
             stream = len(self.tasks)
-            self.tasks.append(TaskDeclaration(name, kind, member, argument, len(parameters) == 2, stream, place))
+            noisy = len(parameters) == 2
+            self.tasks.append(TaskDeclaration(name, kind, member, argument, offset, noisy, stream, place))
         elif hasattr(member, "_navfmu_requirement"):
             message, place = member._navfmu_requirement
             check_text(place, f"requirement '{name}'", message)
@@ -185,7 +186,7 @@ class Layout:
 
     def _check_tasks(self, component: type) -> None:
         tick = getattr(component, "tick", None)
-        clocks = [t.argument for t in self.tasks if t.kind == "every"]
+        clocks = [(t.argument, t.offset) for t in self.tasks if t.kind == "every"]
         for task in self.tasks:
             if task.kind == "on_new":
                 bundle = self.bundles.get(task.argument)
@@ -204,19 +205,47 @@ class Layout:
                 if f"{task.argument}.lost" in self.fields:
                     self.fail(f"two tasks wait for bundle '{task.argument}'", task.place)
                 self._add(f"{task.argument}.lost", lost, task.argument)
-        for period in [*clocks, *([tick] if tick else [])]:
-            field = self.fields.get(period)
-            if field is None or (field.causality, field.kind, field.shape) != ("parameter", "real", ()):
-                known = [n for n, f in self.fields.items() if f.causality == "parameter"]
-                self.fail(f"the period '{period}' is no scalar Parameter in s{nearest(str(period), known)}")
-            if self.variables[field.index].variability != "fixed":
-                self.fail(f"the period '{period}' must not be tunable")
+        self.tick = self._tick(tick, clocks)
+        for task in self.tasks:
+            if clock := self._named_clock(task):
+                self._check_time("period", clock[0])
+                self._check_time("offset", clock[1])
         for requirement in self.requirements:
             for name in requirement.names:
                 if self.index(name) is None:
                     known = [v.name for v in self.variables]
                     self.fail(f"the sentence names '{name}', unknown{nearest(name, known)}", requirement.place)
-        self.tick: str | None = tick or (clocks[0] if clocks else None)
+
+    def _check_time(self, what: str, name: str | None) -> None:
+        """Refuse a period or an offset that is no time which the user sets."""
+        if name is None:
+            return
+        field = self.fields.get(name)
+        if field is None or (field.causality, field.kind, field.shape) != ("parameter", "real", ()):
+            known = [n for n, f in self.fields.items() if f.causality == "parameter"]
+            self.fail(f"the {what} '{name}' is no scalar Parameter in s{nearest(str(name), known)}")
+        if self.variables[field.index].unit != "s":
+            self.fail(f"the {what} '{name}' is in {self.variables[field.index].unit}, expected a Parameter in s")
+        if what == "offset" and self.variables[field.index].variability != "fixed":
+            self.fail(f"the offset '{name}' must not be tunable: it says when the first tick comes")
+
+    @staticmethod
+    def _tick(named: str | None, clocks: list[tuple[str, str | None]]) -> tuple[str, str | None] | None:
+        """Return period and offset of the clock of tasks that wait for data: the one that is named, or the first."""
+        if named:
+            return next((clock for clock in clocks if clock[0] == named), (named, None))
+        return clocks[0] if clocks else None
+
+    def _named_clock(self, task: TaskDeclaration) -> tuple[str, str | None] | None:
+        return {"start": None, "every": (task.argument, task.offset), "on_new": self.tick}[task.kind]
+
+    def clock(self, task: TaskDeclaration) -> ir.Clock | None:
+        """Return the clock of a task; None for a start task."""
+        named = self._named_clock(task)
+        if named is None:
+            return None
+        period, offset = named
+        return ir.Clock(self.fields[period].index, None if offset is None else self.fields[offset].index)
 
     def index(self, name: str) -> int | None:
         """Return the value reference of an FMI name (an array's name gives its first element), None if unknown."""

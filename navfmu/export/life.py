@@ -119,6 +119,7 @@ MESSAGES = {
     "AT_MOST": _error(f"{_PARAMETER} of at most %.9g%s%s."),
     "NO_NUMBER": _error("Parameter '%s' is not a number."),
     "NO_PERIOD": _error("Parameter '%s' is %.9g s; expected a period longer than 0 s."),
+    "NO_OFFSET": _error("Parameter '%s' is %.9g s; expected an offset of at least 0 s."),
     "NO_STEP": _error("The communication step size is %.9g s at %.15g s; expected a positive number."),
     "OTHER_STEP": _error(
         "The communication step size is %.9g s at %.15g s; this instance counts communication points of %.9g s."

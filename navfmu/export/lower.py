@@ -98,9 +98,8 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
 def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
     index = {name: field.index for name, field in layout.fields.items()}
     on_new = task.kind == "on_new"
-    clock = {"start": None, "every": task.argument, "on_new": layout.tick}[task.kind]
-    period = None if clock is None else index[clock]
-    frame = TraceFrame(layout, period)
+    clock = layout.clock(task)
+    frame = TraceFrame(layout, None if clock is None else clock.period)
     component = layout.component(frame)
     arguments = (frame.noise,) if task.uses_noise else ()
     _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
@@ -112,7 +111,7 @@ def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
         targets=targets,
         normals=frame.normals,
         stream=task.stream,
-        period=period,
+        clock=clock,
         sequence=index[f"{task.argument}.sequence"] if on_new else None,
         time_of_validity=index[f"{task.argument}.time_of_validity"] if on_new else None,
         lost=index[f"{task.argument}.lost"] if on_new else None,

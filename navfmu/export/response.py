@@ -47,7 +47,7 @@ def step_response(model: ir.Model, guid: str, library: Path, example: Example | 
     example = example or Example()
     base = _values(model, example.values)
     stop = example.duration
-    periods = [model.variables[i].start for i in codegen.clocks(model)]
+    periods = [model.variables[clock.period].start for clock in codegen.clocks(model)]
     count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
     if example.step:
         count = round(stop / example.step)

@@ -22,6 +22,7 @@ class TaskDeclaration:
     kind: str  # "start", "every", "on_new"
     function: Callable
     argument: str | None  # "every": the parameter with the period; "on_new": the input bundle
+    offset: str | None  # "every": the parameter with the time of the first tick, if there is one
     uses_noise: bool
     stream: int  # third word of the noise counter
     place: str
@@ -29,14 +30,21 @@ class TaskDeclaration:
 
 def start(function: Callable) -> Callable:
     """Mark the method that runs once, on leaving initialisation, at t = 0."""
-    return _task("start", function, None)
+    return _task("start", function)
 
 
-def every(period: str) -> Callable:
-    """Mark a method that runs at ``k * period``, k = 1, 2, ...; ``period`` names a parameter in s."""
-    if not isinstance(period, str):
-        raise NavfmuError(f'{place()}: every({period!r}) needs the name of a Parameter in s, for example "period"')
-    return lambda function: _task("every", function, period)
+def every(period: str, *, offset: str | None = None) -> Callable:
+    """Mark a method that runs at ``offset + k * period``; both name parameters in s, counted from the start.
+
+    The ticks are k = 0, 1, 2, ... where there is an offset above 0, and k = 1, 2, ... where it is 0 or not there: at
+    t = 0 itself nothing ticks. ``k`` is also the number of the tick's noise. A period may be ``tunable``: the next tick
+    then comes one new period after the last one, at once if that has passed, and k goes on.
+    """
+    for name, value in (("period", period), ("offset", offset)):
+        if not isinstance(value, str) and not (name == "offset" and value is None):
+            told = f"{value!r}" if name == "period" else f"..., offset={value!r}"
+            raise NavfmuError(f'{place()}: every({told}) needs the name of a Parameter in s, for example "{name}"')
+    return lambda function: _task("every", function, period, offset)
 
 
 def on_new(bundle: str) -> Callable:
@@ -62,5 +70,5 @@ def mark(function: Callable, attribute: str, *values: str | None) -> Callable:
     return marked
 
 
-def _task(kind: str, function: Callable, argument: str | None) -> Callable:
-    return mark(function, "_navfmu_task", kind, argument)
+def _task(kind: str, function: Callable, argument: str | None = None, offset: str | None = None) -> Callable:
+    return mark(function, "_navfmu_task", kind, argument, offset)

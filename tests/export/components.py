@@ -160,3 +160,31 @@ class Mixed(Component):
         self.y = np.where(self.on, self.y + self.u * self.level, self.y)
         self.count = self.count + self.stride
         self.seen = self.on
+
+
+MOST = 40  # ticks that the next component can tell of
+
+
+class Ticking(Component):
+    """Tells when it was run: the times of its ticks, the periods that it was told and what noise it got."""
+
+    period_ = Parameter("s", start=0.25, max=100, tunable=True, description="period")
+    phase = Parameter("s", start=0.0, max=50, description="time of the first tick")
+    steady = Parameter("s", start=0.5, description="period of the other clock")
+    ticks = Output(kind="integer", description="number of ticks")
+    times = Output(MOST, "s", start=-1.0, description="times of the ticks")
+    periods = Output(MOST, "s", start=-1.0, description="periods that they were told")
+    noises = Output(MOST, "1", start=-1.0, description="noise that they got")
+    others = Output("s", start=-1.0, description="time of the last tick of the other clock")
+
+    @every("period_", offset="phase")
+    def tell(self, noise):
+        here = np.arange(MOST) == self.ticks
+        self.times = np.where(here, self.time, self.times)
+        self.periods = np.where(here, self.period, self.periods)
+        self.noises = np.where(here, noise(1)[0], self.noises)
+        self.ticks = self.ticks + 1
+
+    @every("steady", offset="phase")
+    def other(self):
+        self.others = self.time

@@ -125,7 +125,7 @@ def test_tasks_refer_to_their_clock_and_bundle():
     model = lower(Listener)
     task, names = model.tasks[0], [v.name for v in model.variables]
     assert task.kind == "on_new"
-    assert [names[i] for i in (task.period, task.sequence, task.time_of_validity, task.lost)] == [
+    assert [names[i] for i in (task.clock.period, task.sequence, task.time_of_validity, task.lost)] == [
         "sample_period", "reading.sequence", "reading.time_of_validity", "reading.lost",
     ]  # fmt: skip
     sensor = lower(Sensor)
@@ -251,7 +251,7 @@ CLASSES = {
     "braces in a sentence": (_class(x=Parameter("m"), check=require("x {x} of {{x}}")(_quiet())), "no braces but"),
     "a single brace": (_class(x=Parameter("m"), check=require("x {x} }")(_quiet())), "no braces but"),
     "period of two": (_class(T=Parameter(2, "s"), step=every("T")(_quiet())), "'T'"),
-    "tunable period": (_class(T=Parameter("s", tunable=True), step=every("T")(_quiet())), "tunable"),
+    "tunable offset": (_class(T=Parameter("s", tunable=True), step=every("T", offset="T")(_quiet())), "tunable"),
     "unknown bundle": (
         _class(fix=Bundle(x=Input("m")), T=Parameter("s"), tick="T", on=on_new("fixx")(_quiet())),
         "did you mean 'fix'?",

@@ -18,10 +18,10 @@ from navfmu.export.life import State
 from navfmu.export.lower import lower
 from navfmu.export.twin import build_twin
 
-from .components import Listener, Mixed, Sensor, Source
+from .components import Listener, Mixed, Sensor, Source, Ticking
 from .slave import ERROR, OK, Slave, Unzipped
 
-COMPONENTS = {"mixed": Mixed, "sensor": Sensor, "listener": Listener, "source": Source}
+COMPONENTS = {"mixed": Mixed, "sensor": Sensor, "listener": Listener, "source": Source, "ticking": Ticking}
 KINDS = ("Real", "Integer", "Boolean")
 FATAL, DISCARD = 4, 2
 

@@ -275,7 +275,7 @@ SELDOM static int may_be(Slave *slave, const fmi2ValueReference vr[], size_t cou
     for (size_t i = 0; i < count; i++) {
         if (!has(vr[i], type | phase)) return refuse_set(slave, vr[i], type) == fmi2OK;
         if (phase != STEPPING || !(model.access[vr[i]] & TUNABLE)) continue;
-        if (!instance_in_range(&slave->core, (int)vr[i], reals ? reals[i] : ints[i])) return 0;
+        if (!instance_accepts(&slave->core, (int)vr[i], reals ? reals[i] : ints[i])) return 0;
     }
     return 1;
 }

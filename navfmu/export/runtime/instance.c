@@ -47,7 +47,7 @@ static size_t lay_out_state(Instance *self, char *base) {
     self->state = take(base, &size, 1, sizeof(State));
     self->v = take(base, &size, at_least_one(model.variable_count), sizeof(double));
     self->slopes = take(base, &size, at_least_one(model.input_count), sizeof(double));
-    self->counts = take(base, &size, at_least_one(model.clock_count), sizeof(int64_t));
+    self->clocks = take(base, &size, at_least_one(model.clock_count), sizeof(Clock));
     self->last = take(base, &size, at_least_one(model.task_count), sizeof(int64_t));
     self->remembered = take(base, &size, at_least_one(model.memory_count), sizeof(double));
     return size;
@@ -201,8 +201,36 @@ static double rounding_of(double start, double end) {
     return 4 * DBL_EPSILON * fmax(fabs(start), fabs(end));
 }
 
-static double due_time(const Instance *self, int clock) {
-    return (double)(self->counts[clock] + 1) * self->v[model.clocks[clock]];
+/* When the next tick comes, in seconds since the start. */
+static double due_time(const Clock *clock) {
+    return clock->origin + (double)(clock->ticks + 1 - clock->first) * clock->period;
+}
+
+/* There is no tick at the start itself: the first one comes at the offset, or where that is 0 one period later. */
+static void start_clocks(Instance *self) {
+    for (int c = 0; c < model.clock_count; c++) {
+        const ClockInfo *info = &model.clocks[c];
+        const double offset = info->offset < 0 ? 0.0 : self->v[info->offset];
+        self->clocks[c] = (Clock){offset > 0 ? -1 : 0, 0, offset, self->v[info->period]};
+    }
+}
+
+/* A period has changed: the next tick comes one new period after the last one, and at once if that has passed. */
+SELDOM static void retime(Clock *clock, double period, double now) {
+    if (clock->ticks >= clock->first) {
+        const double last = clock->origin + (double)(clock->ticks - clock->first) * clock->period;
+        const int late = last + period < now;
+        clock->origin = late ? now : last;
+        clock->first = clock->ticks + late;
+    }
+    clock->period = period;
+}
+
+static inline void heed_periods(Instance *self) {
+    for (int c = 0; c < model.clock_count; c++) {
+        const double period = self->v[model.clocks[c].period];
+        if (period != self->clocks[c].period) retime(&self->clocks[c], period, self->state->elapsed);
+    }
 }
 
 SELDOM static void heed_host(State *s, double end) {
@@ -252,9 +280,9 @@ static int tick(Instance *self, double elapsed, double tolerance) {
     look_up(self, time);
     uint64_t due = 0;
     for (int c = 0; c < model.clock_count; c++) {
-        if (due_time(self, c) <= elapsed + tolerance) {
+        if (due_time(&self->clocks[c]) <= elapsed + tolerance) {
             due |= (uint64_t)1 << c;
-            self->counts[c]++;
+            self->clocks[c].ticks++;
         }
     }
     for (int i = 0; i < model.task_count; i++) {
@@ -262,7 +290,7 @@ static int tick(Instance *self, double elapsed, double tolerance) {
         if (task->kind == ON_NEW) {
             if (run_on_new(self, i, time, tolerance)) return 1;
         } else if (task->kind == ON_CLOCK && due >> task->clock & 1) {
-            if (run(self, task, self->counts[task->clock], time)) return 1;
+            if (run(self, task, self->clocks[task->clock].ticks, time)) return 1;
         }
     }
     return 0;
@@ -271,15 +299,16 @@ static int tick(Instance *self, double elapsed, double tolerance) {
 /* All ticks up to and including the time `end`. */
 static int advance(Instance *self, double h, double end) {
     const double start = self->state->start, origin = self->state->time - start, rounding = rounding_of(start, end);
+    heed_periods(self);
     move_clock(self->state, h, end);
     int failed = 0, moved = 0;
     while (model.clock_count && !failed) {
-        int first = 0;
-        for (int c = 1; c < model.clock_count; c++) {
-            if (due_time(self, c) < due_time(self, first)) first = c;
+        const Clock *first = self->clocks;
+        for (const Clock *clock = first + 1; clock < self->clocks + model.clock_count; clock++) {
+            if (due_time(clock) < due_time(first)) first = clock;
         }
-        const double due = due_time(self, first);
-        const double tolerance = 1e-9 * self->v[model.clocks[first]] + rounding;
+        const double due = due_time(first);
+        const double tolerance = 1e-9 * first->period + rounding;
         if (!(due <= self->state->elapsed + tolerance)) break;
         if (self->state->slopes_set) {
             move_inputs(self, fmax(due - origin, 0.0), !moved);
@@ -332,7 +361,7 @@ static int instance_step(Instance *self, double time, double h) {
 
 /* ---- parameters ---- */
 
-static int instance_in_range(Instance *self, int index, double value) {
+static int in_range(Instance *self, int index, double value) {
     const Variable *variable = &model.variables[index];
     if (value >= variable->min && value <= variable->max) return 1;
     const char *space = *variable->unit ? " " : "", *unit = variable->unit;
@@ -347,6 +376,32 @@ static int instance_in_range(Instance *self, int index, double value) {
         instance_say(self, SAY_NO_NUMBER, variable->name);
     }
     return 0;
+}
+
+static int is_period(Instance *self, int index, double value) {
+    if (isfinite(value) && value > 0) return 1;
+    instance_say(self, SAY_NO_PERIOD, model.variables[index].name, shown(value));
+    return 0;
+}
+
+static int instance_accepts(Instance *self, int index, double value) {
+    int good = in_range(self, index, value);
+    for (int c = 0; c < model.clock_count && good; c++) {
+        if (model.clocks[c].period == index) return is_period(self, index, value);
+    }
+    return good;
+}
+
+static int clocks_hold(Instance *self) {
+    int good = 1;
+    for (int c = 0; c < model.clock_count; c++) {
+        const ClockInfo *info = &model.clocks[c];
+        if (!is_period(self, info->period, self->v[info->period])) good = 0;
+        if (info->offset < 0 || (isfinite(self->v[info->offset]) && self->v[info->offset] >= 0)) continue;
+        instance_say(self, SAY_NO_OFFSET, model.variables[info->offset].name, shown(self->v[info->offset]));
+        good = 0;
+    }
+    return good;
 }
 
 static void report_check(Instance *self, const Check *check) {
@@ -368,14 +423,9 @@ static void report_check(Instance *self, const Check *check) {
 static int parameters_hold(Instance *self) {
     int good = 1;
     for (int i = 0; i < model.variable_count; i++) {
-        if (model.variables[i].is_parameter && !instance_in_range(self, i, self->v[i])) good = 0;
+        if (model.variables[i].is_parameter && !in_range(self, i, self->v[i])) good = 0;
     }
-    for (int c = 0; c < model.clock_count && good; c++) {
-        double period = self->v[model.clocks[c]];
-        if (isfinite(period) && period > 0) continue;
-        instance_say(self, SAY_NO_PERIOD, model.variables[model.clocks[c]].name, shown(period));
-        good = 0;
-    }
+    if (good) good = clocks_hold(self);
     for (int i = 0; i < model.check_count && good; i++) {
         model.checks[i].holds(self->v, self->noise, &self->state->start, self->rows, self->fixed, self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
@@ -395,6 +445,7 @@ static int instance_start(Instance *self) {
     instance_undo_preview(self);
     if (!parameters_hold(self) || instance_preview(self)) return 1;
     instance_follow(self); /* what was calculated stays */
+    start_clocks(self);
     self->state->time = self->state->start;
     self->state->phase = STEPPING;
     return 0;

@@ -15,7 +15,7 @@
 #define SELDOM
 #endif
 
-/* The head of the state block. The block is plain data without pointers: head, v, slopes, counts, last, remembered; saving, restoring and resetting are copies of it. */
+/* The head of the state block. The block is plain data without pointers: head, v, slopes, clocks, last, remembered; saving, restoring and resetting are copies of it. */
 typedef struct {
     double time;          /* communication point */
     double start, stop;   /* of the experiment; stop is INFINITY when it was not given */
@@ -27,6 +27,14 @@ typedef struct {
     int64_t passed;     /* outputs that follow inputs directly have left at this communication point */
     int64_t slopes_set; /* some input has a derivative for the coming step */
 } State;
+
+/* A clock: tick k comes at origin + (k - first) * period since the start. */
+typedef struct {
+    int64_t ticks;  /* number of the last tick that was made, */
+    int64_t first;  /* of the one whose time is */
+    double origin;
+    double period;  /* that holds from there on */
+} Clock;
 
 typedef struct Instance Instance;
 typedef void Report(Instance *self, Severity severity, const char *sentence);
@@ -40,7 +48,7 @@ struct Instance {
     size_t state_size;
     double *v;
     double *slopes;   /* du/dt of each continuous input, for the coming step; -0 for none */
-    int64_t *counts;  /* ticks done, for each clock */
+    Clock *clocks;
     int64_t *last;    /* sequence number last seen, for each task */
     double *remembered; /* by what passes through */
 
@@ -79,8 +87,8 @@ static inline void instance_pass(Instance *self);
 /* Do all that is due in a step of h from the host's time. Returns 0, or 1 after reporting why it cannot be done. */
 static int instance_step(Instance *self, double time, double h);
 
-/* Whether the value lies in the parameter's range; reports when not. */
-static int instance_in_range(Instance *self, int index, double value);
+/* Whether a parameter may have the value, as far as one parameter tells; reports when not. */
+static int instance_accepts(Instance *self, int index, double value);
 
 /* The nearest int, also for values that no int can hold. */
 static int nearest_int(double value);

@@ -63,6 +63,11 @@ typedef struct {
     int columns;
 } TableInfo;
 
+/* When tasks run: at offset + k * period since the start. */
+typedef struct {
+    int period, offset; /* indices in v of times in s; offset is -1 where there is none */
+} ClockInfo;
+
 typedef struct {
     const char *identifier;
     const char *guid;
@@ -74,7 +79,7 @@ typedef struct {
     int check_count;
     const Check *checks;
     int clock_count;
-    const int *clocks;           /* index in v of each clock's period in s */
+    const ClockInfo *clocks;
     int table_count;
     const TableInfo *tables;
     int input_count;             /* continuous Real inputs: those that may have a derivative */
