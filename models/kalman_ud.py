@@ -1,12 +1,12 @@
 """Kalman filtering on the factors of the covariance, P = U D U', one scalar measurement at a time.
 
-U is upper triangular with a diagonal of ones, D a diagonal matrix that travels as its elements. None of these can become
-negative, whatever is rounded on the way, so P stays a covariance where the matrix itself would not: its update is a
-difference of numbers that agree in most digits, or in all.
+U is upper triangular with a diagonal of ones, D a diagonal matrix that travels as its elements. None of these can
+become negative, whatever is rounded on the way, so P stays a covariance where the matrix itself would not: its update
+is a difference of numbers that agree in most digits, or in all.
 
 Equations: G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press 1977, chapters V.3
-(measurement) and VI.4 (time: C. L. Thornton's modified weighted Gram-Schmidt orthogonalisation). The arguments are those
-of :mod:`models.kalman`.
+(measurement) and VI.4 (time: C. L. Thornton's modified weighted Gram-Schmidt orthogonalisation). The arguments are
+those of :mod:`models.kalman`.
 """
 
 from __future__ import annotations

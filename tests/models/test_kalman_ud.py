@@ -78,9 +78,7 @@ def test_sequential_updates_equal_the_matrix_update():
         assert taken
         np.testing.assert_array_equal(np.tril(unit), np.eye(n))
     np.testing.assert_allclose(correction, gain @ residual, rtol=1e-11)
-    np.testing.assert_allclose(
-        kalman_ud.covariance(unit, diagonal), (np.eye(n) - gain @ h) @ p, rtol=1e-10, atol=1e-12
-    )
+    np.testing.assert_allclose(kalman_ud.covariance(unit, diagonal), (np.eye(n) - gain @ h) @ p, rtol=1e-10, atol=1e-12)
 
 
 def test_unused_and_rejected_measurements_change_nothing():
