@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
@@ -27,7 +28,7 @@ def clocks(model: ir.Model) -> list[ir.Clock]:
 
 def continuous_inputs(model: ir.Model) -> list[int]:
     """Return the indices of the inputs that may have a derivative; what passes through has its value only."""
-    return [] if model.through else [v.index for v in model.variables if is_continuous_input(v)]
+    return [] if model.through else [i for v in model.variables if is_continuous_input(v) for i in v.indices]
 
 
 def is_continuous_input(variable: ir.Variable) -> bool:
@@ -50,12 +51,11 @@ def _check(model: ir.Model) -> None:
     """Refuse a model that the runtime cannot run."""
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
         raise NavfmuError(f"component '{model.name}': expected a name of letters, digits and underscores")
-    if [v.index for v in model.variables] != list(range(len(model.variables))):
+    if [e.index for e in model.elements] != list(range(len(model.elements))):
         raise NavfmuError(f"component '{model.name}': the variables are not numbered from 0")
-    names = [v.name for v in model.variables]
-    for name in names:
-        if names.count(name) > 1:
-            raise NavfmuError(f"component '{model.name}': two variables are named '{name}'")
+    name, times = Counter(e.name for e in model.elements).most_common(1)[0] if model.elements else ("", 0)
+    if times > 1:
+        raise NavfmuError(f"component '{model.name}': two variables are named '{name}'")
     if len(clocks(model)) > 64:
         raise NavfmuError(f"component '{model.name}' has {len(clocks(model))} clocks; expected at most 64")
     if any(task.normals for task in model.tasks) and (model.seed is None or model.stream is None):
@@ -82,17 +82,19 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "Variable",
         "model_variables",
         (
-            f"{{{_text(v.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {c_number(v.start)}, "
-            f"{c_number(-math.inf if v.min is None else v.min)}, {c_number(math.inf if v.max is None else v.max)}, "
+            f"{{{_text(e.name)}, {_text(v.unit if v.unit not in (None, '1') else '')}, {c_number(e.start)}, "
+            f"{c_number(-math.inf if e.min is None else e.min)}, {c_number(math.inf if e.max is None else e.max)}, "
             f"{int(v.causality == 'parameter')}}}"
             for v in model.variables
+            for e in v.elements()
         ),
     )
-    yield from _array("unsigned short", "model_access", (_access(v) for v in model.variables))
+    access = (text for v in model.variables for text in [_access(v)] * v.size)
+    yield from _array("unsigned short", "model_access", access)
     inputs = continuous_inputs(model)
     yield from _array("int", "model_inputs", inputs)
     slots = {index: slot for slot, index in enumerate(inputs)}
-    yield from _array("int", "model_input_slot", (slots.get(v.index, -1) for v in model.variables))
+    yield from _array("int", "model_input_slot", (slots.get(i, -1) for i in range(len(model.elements))))
     places = ((c.period, -1 if c.offset is None else c.offset) for c in ticking)
     yield from _array("ClockInfo", "model_clocks", (f"{{{period}, {offset}}}" for period, offset in places))
     for i, task in enumerate(model.tasks):
@@ -122,7 +124,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     fields = {
         "identifier": _text(model.name),
         "guid": _text(guid),
-        "variable_count": len(model.variables),
+        "variable_count": len(model.elements),
         "access": "model_access",
         "variables": "model_variables",
         "task_count": len(model.tasks),
@@ -159,7 +161,7 @@ def _fixed(model: ir.Model) -> dict[Node, int]:
     """Return the operations of the tasks whose values stand when initialisation has ended, as :func:`settled` does."""
     running = [task for task in model.tasks if task.kind != "start"]
     changing = {index for task in running for index in (*task.targets, task.lost)}
-    changing |= {v.index for v in model.variables if life.State.STEPPING in _settable(v)}
+    changing |= {i for v in model.variables if life.State.STEPPING in _settable(v) for i in v.indices}
 
     def constant(element: Node) -> bool:
         vector, index = element.of
@@ -170,7 +172,7 @@ def _fixed(model: ir.Model) -> dict[Node, int]:
 
 def _wholes(model: ir.Model, task: ir.Task) -> list[int]:
     """Return which of a task's results are Integers."""
-    return [place for place, index in enumerate(task.targets) if model.variables[index].type == "Integer"]
+    return [place for place, index in enumerate(task.targets) if model.elements[index].variable.type == "Integer"]
 
 
 def _task(model: ir.Model, i: int, ticking: list[ir.Clock]) -> str:

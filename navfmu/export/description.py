@@ -125,8 +125,8 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
     These are all that can be set then: inputs, parameters, states and outputs with a start value, and where random
     numbers are drawn, their seed and stream.
     """
-    known = {v.index for v in model.variables if v.causality == "input" or v.initial == "exact"}
-    depends = {v.index: {v.index} & known for v in model.variables}
+    known = {i for v in model.variables if v.causality == "input" or v.initial == "exact" for i in v.indices}
+    depends = {e.index: {e.index} & known for e in model.elements}
     for task in model.tasks:
         if task.kind != "start":
             continue
@@ -139,9 +139,10 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
         seed = set() if model.seed is None else {model.seed}
         depends |= {index: seed.union(inputs) for index, inputs in model.through.dependencies.items()}
     return [
-        (v.index, tuple(sorted(depends[v.index])))
+        (i, tuple(sorted(depends[i])))
         for v in model.variables
         if v.causality == "output" and v.initial == "calculated"
+        for i in v.indices
     ]
 
 
@@ -158,7 +159,7 @@ def _lines(
             "guid": guid,
             "description": _one_line(model.description),
             "generationTool": f"navfmu {__version__}",
-            "variableNamingConvention": "structured" if all(map(_is_structured, model.variables)) else "flat",
+            "variableNamingConvention": "structured" if all(map(_is_structured, model.elements)) else "flat",
             "numberOfEventIndicators": 0,
         },
     )
@@ -187,7 +188,7 @@ def _lines(
         "    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in life.categories().items()
     )
     yield "  </LogCategories>"
-    periods = [model.variables[clock.period].start for clock in clocks(model)]
+    periods = [model.elements[clock.period].start for clock in clocks(model)]
     step = min(periods, default=model.through.step if model.through else 0.01)
     experiment = {
         "startTime": 0.0,
@@ -207,17 +208,17 @@ def _lines(
         yield "    </Tool>"
         yield "  </VendorAnnotations>"
     yield "  <ModelVariables>"
-    for variable in model.variables:
-        yield from _variable(variable)
+    for element in model.elements:
+        yield from _variable(element)
     yield "  </ModelVariables>"
     yield from _structure(model)
     yield "</fmiModelDescription>"
     yield ""
 
 
-def _is_structured(variable: ir.Variable) -> bool:
+def _is_structured(element: ir.Element) -> bool:
     """Whether a name is one of the structured convention, FMI 2.0.4 section 2.2.9, without derivatives."""
-    return re.fullmatch(rf"{_PART}(\.{_PART})*", variable.name, flags=re.ASCII) is not None
+    return re.fullmatch(rf"{_PART}(\.{_PART})*", element.name, flags=re.ASCII) is not None
 
 
 def _units(model: ir.Model) -> Iterable[str]:
@@ -248,10 +249,11 @@ def _base_of(model: ir.Model, unit: str) -> Mapping[str, object] | None:
     return powers | {"factor": own.factor if own.factor != 1.0 else None, "offset": own.offset or None}
 
 
-def _variable(variable: ir.Variable) -> Iterable[str]:
+def _variable(element: ir.Element) -> Iterable[str]:
+    variable = element.variable
     attributes = {
-        "name": variable.name,
-        "valueReference": variable.index,
+        "name": element.name,
+        "valueReference": element.index,
         "description": _one_line(variable.description) or None,
         "causality": variable.causality,
         "variability": variable.variability,
@@ -269,10 +271,10 @@ def _variable(variable: ir.Variable) -> Iterable[str]:
         "unit": variable.unit if real else None,
         "displayUnit": variable.display_unit if real and variable.display_unit != variable.unit else None,
         "relativeQuantity": True if variable.difference else None,
-        "min": number(variable.min) if real or integer else None,
-        "max": number(variable.max) if real or integer else None,
+        "min": number(element.min) if real or integer else None,
+        "max": number(element.max) if real or integer else None,
         "nominal": number(variable.nominal) if real else None,
-        "start": number(variable.start) if starts else None,
+        "start": number(element.start) if starts else None,
     }
     yield "      " + _tag(variable.type, value, closed=True)
     if variable.fault:
@@ -281,7 +283,7 @@ def _variable(variable: ir.Variable) -> Iterable[str]:
 
 
 def _structure(model: ir.Model) -> Iterable[str]:
-    outputs = [v.index for v in model.variables if v.causality == "output"]
+    outputs = [i for v in model.variables if v.causality == "output" for i in v.indices]
     if not outputs:
         yield "  <ModelStructure/>"
         return

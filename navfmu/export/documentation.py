@@ -29,7 +29,7 @@ def page(model: ir.Model, response: Response | None = None, classes: Iterable[ty
     ``twin`` says that this is the page of the Python twin.
     """
     kinds = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters", "local": "States"}
-    variables = {title: list(_variables(model, causality)) for causality, title in kinds.items()}
+    variables = {title: [_row(v) for v in model.variables if v.causality == c] for c, title in kinds.items()}
     shown = None
     if response is not None and (response.indices or response.panels):
         shown = {
@@ -59,7 +59,7 @@ def _caption(model: ir.Model, response: Response) -> str:
     values = example.values
     words = f"{response.time[-1]:.6g} s with "
     if values:
-        known = {name: v for v in reversed(model.variables) for name in (v.name, v.base)}
+        known = {e.name: e.variable for e in model.elements} | {v.name: v for v in model.variables}
         short = {name: value for name, value in values.items() if np.size(value) <= 3}
         told = [f"`{name} = {_shown(known[name], value)}`" for name, value in short.items()]
         if long := [f"`{name}`" for name in values if name not in short]:
@@ -70,9 +70,9 @@ def _caption(model: ir.Model, response: Response) -> str:
         heights: dict[str, list[str]] = {}
         units: dict[str, str] = {}
         for index, height in response.stepped.items():
-            variable = model.variables[index]
-            shown, units[variable.base] = display(variable, height)
-            heights.setdefault(variable.base, []).append(f"{shown - display(variable, 0.0)[0]:.4g}")
+            variable = model.elements[index].variable
+            shown, units[variable.name] = display(variable, height)
+            heights.setdefault(variable.name, []).append(f"{shown - display(variable, 0.0)[0]:.4g}")
         steps = [
             f"`{name}` by {of[0] if len(set(of)) == 1 else '[' + ', '.join(of) + ']'} {units[name]}".rstrip()
             for name, of in heights.items()
@@ -93,33 +93,23 @@ def _shown(variable: ir.Variable, value: Any) -> str:
     return f"{f'[{text}]' if np.ndim(value) else text} {numbers[0][1]}".rstrip()
 
 
-def _variables(model: ir.Model, causality: str) -> Iterable[dict[str, Any]]:
-    """Yield a row for each variable or array."""
-    groups: dict[str, list[ir.Variable]] = {}
-    for variable in model.variables:
-        if variable.causality == causality:
-            groups.setdefault(variable.base, []).append(variable)
-    for name, group in groups.items():
-        yield _row(name, group)
-
-
-def _row(name: str, group: list[ir.Variable]) -> dict[str, Any]:
-    first, last = group[0], group[-1]
-    elements = "" if first.name == name else f"{first.name[len(name) :]}…{last.name[len(name) :]}"
-    unit = first.unit or {"Integer": "Integer", "Boolean": "Boolean"}.get(first.type, "")
-    starts = [_value(v, v.start) for v in group] if first.initial != "calculated" else ["calculated"]
+def _row(variable: ir.Variable) -> dict[str, Any]:
+    first, last = variable.elements()[0], variable.elements()[-1]
+    subscripts = f"{first.subscript}…{last.subscript}" if variable.shape else ""
+    unit = variable.unit or {"Integer": "Integer", "Boolean": "Boolean"}.get(variable.type, "")
+    starts = ["calculated"] if variable.initial == "calculated" else [_value(variable, x) for x in variable.start]
     start = starts[0] if len(set(starts)) == 1 else ", ".join(starts[:8]) + (", …" if len(starts) > 8 else "")
     limits = ""
     if first.min is not None or first.max is not None:
-        limits = " … ".join("" if value is None else _value(first, value) for value in (first.min, first.max))
-    tunable = first.causality == "parameter" and first.variability == "tunable"
-    remarks = " (tunable)" * tunable + " (a difference)" * first.difference
+        limits = " … ".join("" if value is None else _value(variable, value) for value in (first.min, first.max))
+    tunable = variable.causality == "parameter" and variable.variability == "tunable"
+    remarks = " (tunable)" * tunable + " (a difference)" * variable.difference
     return {
-        "name": name + elements,
+        "name": variable.name + subscripts,
         "unit": "" if unit == "1" else unit,
         "start": start,
         "limits": limits,
-        "meaning": pieces(first.description + remarks),
+        "meaning": pieces(variable.description + remarks),
     }
 
 
@@ -147,13 +137,12 @@ def _tasks(model: ir.Model) -> Iterable[dict[str, Any]]:
 
 def _when(model: ir.Model, task: ir.Task) -> list[Piece]:
     if task.kind == "every":
-        period = model.variables[task.clock.period]
+        period = model.elements[task.clock.period]
         what = f"every `{period.name}` ({period.start:g} s unless set), "
         if task.clock.offset is None:
             return pieces(f"{what}at k times that period")
-        offset = model.variables[task.clock.offset]
+        offset = model.elements[task.clock.offset]
         return pieces(f"{what}at `{offset.name}` ({offset.start:g} s unless set) and k times that period")
     if task.kind == "on_new":
-        bundle = model.variables[task.sequence].name.rpartition(".")[0]
-        return pieces(f"at the first tick that sees new data in `{bundle}`")
+        return pieces(f"at the first tick that sees new data in `{model.elements[task.sequence].variable.bundle}`")
     return pieces("at t = 0, when initialisation ends")

@@ -7,7 +7,8 @@ from typing import Any, NoReturn
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export.layout import Field, Layout
+from navfmu.export import ir
+from navfmu.export.layout import Layout
 from navfmu.export.place import place
 from navfmu.export.table import Table
 
@@ -21,11 +22,11 @@ class Frame:
         self.assigned: set[str] = set()
         self.task = ""
 
-    def load(self, field: Field) -> Any:
+    def load(self, variable: ir.Variable) -> Any:
         """Return the stored value of a variable as a read-only array."""
         raise NotImplementedError
 
-    def convert(self, field: Field, value: Any) -> Any:
+    def convert(self, variable: ir.Variable, value: Any) -> Any:
         """Return an assigned value, of the right shape, as a read-only array of the variable's kind."""
         raise NotImplementedError
 
@@ -51,9 +52,9 @@ class Frame:
 
     def write(self, name: str, value: Any) -> None:
         """Assign an output or a state."""
-        field = self.layout.fields[name]
-        if field.causality not in ("output", "local"):
-            self.fail(f"'{name}' is of causality {field.causality} and cannot be assigned")
+        variable = self.layout.fields[name]
+        if variable.causality not in ("output", "local"):
+            self.fail(f"'{name}' is of causality {variable.causality} and cannot be assigned")
         self.check_shape(name, value)
-        self.current[name] = self.convert(field, value)
+        self.current[name] = self.convert(variable, value)
         self.assigned.add(name)

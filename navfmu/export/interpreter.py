@@ -20,13 +20,13 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir, life
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
-from navfmu.export.layout import Field, Layout
+from navfmu.export.layout import Layout
 from navfmu.export.life import State
 from navfmu.export.noise import Normals
 from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
 
-_DTYPES = {"real": float, "integer": np.int64, "boolean": bool}
+_DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
 #: The times that belong to the state.
 _TIMES = ("time", "start_time", "stop_time", "elapsed", "base", "rest", "step", "alike")
 _EPSILON = 2.220446049250313e-16
@@ -63,31 +63,31 @@ class FloatFrame(Frame):
         super().__init__(layout, time, period)
         self.values = values
 
-    def load(self, field: Field) -> Any:
-        values = self.values[field.index : field.index + field.size]
-        if field.kind == "real" and not field.shape:
+    def load(self, variable: ir.Variable) -> Any:
+        values = self.values[variable.index : variable.index + variable.size]
+        if variable.type == "Real" and not variable.shape:
             return values[0]
-        if field.kind == "integer":
+        if variable.type == "Integer":
             values = np.array([nearest_int(x) for x in values], np.int64)
-        elif field.kind == "boolean":
+        elif variable.type == "Boolean":
             values = values != 0
-        if not field.shape:
+        if not variable.shape:
             return values[0]
-        array = values.reshape(field.shape)
+        array = values.reshape(variable.shape)
         array.setflags(write=False)
         return array
 
-    def convert(self, field: Field, value: Any) -> Any:
+    def convert(self, variable: ir.Variable, value: Any) -> Any:
         array = np.array(value)
-        if field.kind == "integer":
-            for i, number in enumerate(array.ravel().tolist()):
+        if variable.type == "Integer":
+            for i, number in zip(variable.indices, array.ravel().tolist(), strict=True):
                 if not is_whole(number):
-                    self.fail(life.sentence("NOT_WHOLE", self.layout.variables[field.index + i].name, number))
-        if field.kind == "boolean":
+                    self.fail(life.sentence("NOT_WHOLE", self.layout.elements[i].name, number))
+        if variable.type == "Boolean":
             array = array != 0
-        array = array.astype(_DTYPES[field.kind])
+        array = array.astype(_DTYPES[variable.type])
         array.setflags(write=False)
-        return array if field.shape else array[()]
+        return array if variable.shape else array[()]
 
     def rows(self, table: Table) -> tuple[Any, Any]:
         row = table.find(self.time)
@@ -96,12 +96,12 @@ class FloatFrame(Frame):
     def commit(self) -> None:
         """Store what the task assigned."""
         for name in self.assigned:
-            field = self.layout.fields[name]
+            variable = self.layout.fields[name]
             value = self.current[name]
-            if field.shape:
-                self.values[field.index : field.index + field.size] = value.ravel()
+            if variable.shape:
+                self.values[variable.index : variable.index + variable.size] = value.ravel()
             else:
-                self.values[field.index] = value
+                self.values[variable.index] = value
 
 
 def nearest_int(value: float) -> int:
@@ -132,6 +132,11 @@ def _run_task(
     return frame.assigned
 
 
+def start_values(layout: Layout) -> np.ndarray:
+    """Return the vector of all variables before anything is set."""
+    return np.array([number for variable in layout.variables for number in variable.start], float)
+
+
 @cache
 def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
     """Return the variables of a component, those marked as calculated that its start tasks assign.
@@ -140,7 +145,7 @@ def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
     refused with the sentence of what it did.
     """
     layout = component.layout
-    values = np.array([v.start for v in layout.variables], float)
+    values = start_values(layout)
     assigned: set[str] = set()
     for task in layout.tasks:
         if task.kind == "start":
@@ -152,9 +157,7 @@ def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
             except Exception as error:
                 what = f"task '{task.name}' fails on the start values: {type(error).__name__}: {error}"
                 raise NavfmuError(f"{task.place}: component {component.__name__}: {what}") from error
-    fields = (layout.fields[name] for name in assigned)
-    calculated = {i for field in fields for i in range(field.index, field.index + field.size)}
-    return tuple(dataclasses.replace(v, initial="calculated") if v.index in calculated else v for v in layout.variables)
+    return tuple(dataclasses.replace(v, initial="calculated") if v.name in assigned else v for v in layout.variables)
 
 
 @cache
@@ -182,9 +185,12 @@ class Interpreter:
         self.layout = component.layout
         self._build = f"{build} {_number(component)}".strip()
         self.variables = variables(component)
-        self._index = {v.name: v.index for v in self.variables}
-        self._settable = [life.settable(v.causality, v.variability, v.initial) for v in self.variables]
-        self._smooth = {v.index for v in self.variables if v.causality == "input" and v.variability == "continuous"}
+        self.elements = ir.elements(self.variables)
+        self._index = {e.name: e.index for e in self.elements}
+        settable = {v.name: life.settable(v.causality, v.variability, v.initial) for v in self.variables}
+        self._settable = [settable[e.variable.name] for e in self.elements]
+        smooth = [v for v in self.variables if v.causality == "input" and v.variability == "continuous"]
+        self._smooth = {i for v in smooth for i in v.indices}
         self._clock_of = [self.layout.clock(task) for task in self.layout.tasks]
         self._ticking = list(dict.fromkeys(clock for clock in self._clock_of if clock is not None))
         self._calculated = any(v.initial == "calculated" for v in self.variables)
@@ -195,7 +201,7 @@ class Interpreter:
 
     def reset(self) -> None:
         """Return to the state after construction."""
-        self.values = np.array([v.start for v in self.variables], float)
+        self.values = start_values(self.layout)
         self.time = self.start_time = 0.0
         self.stop_time = math.inf
         self.elapsed = 0.0  # since the start: the sum of all steps,
@@ -261,40 +267,40 @@ class Interpreter:
         if isinstance(name, int | np.integer):
             return [int(name)], ()
         if name in self.layout.fields:
-            field = self.layout.fields[name]
-            return list(range(field.index, field.index + field.size)), field.shape
+            variable = self.layout.fields[name]
+            return list(variable.indices), variable.shape
         if name not in self._index:
             known = [*self.layout.fields, *self._index]
             raise NavfmuError(f"There is no variable '{name}' in '{self.layout.name}'{nearest(name, known)}")
         return [self._index[name]], ()
 
-    def _variable(self, reference: int, kind: str | None = None) -> ir.Variable:
-        """Return the variable with a value reference, which must be of that type if one is given."""
-        if not 0 <= reference < len(self.variables):
-            self._refuse("NO_VARIABLE", reference % 2**32, len(self.variables))
-        variable = self.variables[reference]
-        if kind not in (None, variable.type):
-            self._refuse("OTHER_TYPE", variable.name, reference, variable.type, kind)
-        return variable
+    def _element(self, reference: int, kind: str | None = None) -> ir.Element:
+        """Return what has a value reference, which must be of that type if one is given."""
+        if not 0 <= reference < len(self.elements):
+            self._refuse("NO_VARIABLE", reference % 2**32, len(self.elements))
+        element = self.elements[reference]
+        if kind not in (None, element.variable.type):
+            self._refuse("OTHER_TYPE", element.name, reference, element.variable.type, kind)
+        return element
 
     def get(self, name: str | int) -> Any:
         """Return a value as float, int or bool, or the array that a bare name means."""
         references, shape = self._references(name)
-        values = self.get_values(self._variable(references[0]).type, references)
+        values = self.get_values(self._element(references[0]).variable.type, references)
         return np.array(values).reshape(shape) if shape else values[0]
 
     def set(self, name: str | int, value: Any) -> None:
         """Set an input or a parameter, or before initialisation ends the start value of an output or a state."""
         references, shape = self._references(name)
         values = np.broadcast_to(np.asarray(value, float), shape).ravel().tolist()
-        self.set_values(self._variable(references[0]).type, references, values)
+        self.set_values(self._element(references[0]).variable.type, references, values)
 
     def get_values(self, kind: str, references: Sequence[int]) -> list[Any]:
         """Return the values of variables of one type ("Real", "Integer", "Boolean")."""
         if self._calculated and self.state == State.INITIALIZATION:
             self._preview()
         for reference in references:
-            self._variable(reference, kind)
+            self._element(reference, kind)
         convert = {"Real": float, "Integer": nearest_int, "Boolean": lambda x: bool(x != 0)}[kind]
         return [convert(self.values[reference]) for reference in references]
 
@@ -302,16 +308,16 @@ class Interpreter:
         """Set variables of one type; the values of Integers are whole."""
         self._allow(f"fmi2Set{kind}")
         for reference, value in zip(references, values, strict=True):
-            variable = self._variable(reference, kind)
+            element = self._element(reference, kind)
             states = self._settable[reference]
             if self.state not in states:
-                self._refuse("NOT_SETTABLE", variable.name, life.WHEN[self.state], life.why_not(states))
+                self._refuse("NOT_SETTABLE", element.name, life.WHEN[self.state], life.why_not(states))
             if kind == "Integer" and not is_whole(value):
-                self._refuse("NOT_WHOLE", variable.name, value)
-            if self.state == State.STEPPING and variable.causality == "parameter":
-                sentence = self._range_sentence(variable, float(value))
+                self._refuse("NOT_WHOLE", element.name, value)
+            if self.state == State.STEPPING and element.variable.causality == "parameter":
+                sentence = self._range_sentence(element, float(value))
                 if not sentence and reference in {clock.period for clock in self._ticking}:
-                    sentence = self._period_sentence(variable, float(value))
+                    sentence = self._period_sentence(element, float(value))
                 if sentence:
                     raise NavfmuError(sentence)
         self._undo_preview()
@@ -322,9 +328,9 @@ class Interpreter:
         """Set derivatives of inputs for the coming step; it does not matter whether the values come before or after."""
         self._allow("fmi2SetRealInputDerivatives")
         for reference, order in zip(references, orders, strict=True):
-            variable = self._variable(reference, "Real")
+            element = self._element(reference, "Real")
             if reference not in self._smooth or order != 1:
-                self._refuse("NO_SLOPE", order, variable.name)
+                self._refuse("NO_SLOPE", order, element.name)
         self._undo_preview()
         self.slopes.update(zip(references, (float(value) for value in values), strict=True))
 
@@ -378,36 +384,37 @@ class Interpreter:
     # --- parameters ---
 
     @staticmethod
-    def _range_sentence(variable: ir.Variable, value: float) -> str | None:
-        low = -math.inf if variable.min is None else variable.min
-        high = math.inf if variable.max is None else variable.max
+    def _range_sentence(element: ir.Element, value: float) -> str | None:
+        low = -math.inf if element.min is None else element.min
+        high = math.inf if element.max is None else element.max
         if low <= value <= high:
             return None
-        space, unit = (" ", variable.unit) if variable.unit and variable.unit != "1" else ("", "")
-        told = (variable.name, value, space, unit)
+        unit = element.variable.unit
+        space, unit = (" ", unit) if unit and unit != "1" else ("", "")
+        told = (element.name, value, space, unit)
         if math.isfinite(low) and math.isfinite(high):
             return life.sentence("BETWEEN", *told, low, high, space, unit)
         if math.isfinite(low):
             return life.sentence("AT_LEAST", *told, low, space, unit)
         if math.isfinite(high):
             return life.sentence("AT_MOST", *told, high, space, unit)
-        return life.sentence("NO_NUMBER", variable.name)
+        return life.sentence("NO_NUMBER", element.name)
 
     @staticmethod
-    def _period_sentence(variable: ir.Variable, value: float) -> str | None:
+    def _period_sentence(period: ir.Element, value: float) -> str | None:
         good = math.isfinite(value) and value > 0
-        return None if good else life.sentence("NO_PERIOD", variable.name, value)
+        return None if good else life.sentence("NO_PERIOD", period.name, value)
 
     def _clock_sentences(self) -> Iterable[str | None]:
         for clock in self._ticking:
-            yield self._period_sentence(self.variables[clock.period], float(self.values[clock.period]))
+            yield self._period_sentence(self.elements[clock.period], float(self.values[clock.period]))
             offset = 0.0 if clock.offset is None else float(self.values[clock.offset])
             if not (math.isfinite(offset) and offset >= 0):
-                yield life.sentence("NO_OFFSET", self.variables[clock.offset].name, offset)
+                yield life.sentence("NO_OFFSET", self.elements[clock.offset].name, offset)
 
     def _check_parameters(self) -> None:
-        parameters = [v for v in self.variables if v.causality == "parameter"]
-        sentences = [s for v in parameters if (s := self._range_sentence(v, float(self.values[v.index])))]
+        parameters = [e for e in self.elements if e.variable.causality == "parameter"]
+        sentences = [s for e in parameters if (s := self._range_sentence(e, float(self.values[e.index])))]
         sentences = sentences or [s for s in self._clock_sentences() if s]
         for requirement in self.layout.requirements if not sentences else ():
             frame = FloatFrame(self.layout, self.values, self.start_time, 0.0)

@@ -1,18 +1,20 @@
 """The lowered model: what the tracer hands to the code generator.
 
-A component declaration (``component.py``) is traced (``trace.py``) into a :class:`Model`: a flat list of variables
-and a list of tasks, each a graph of operations on the same four vectors. Everything that follows (C code,
+A component declaration (``component.py``) is traced (``trace.py``) into a :class:`Model`: a list of variables and a
+list of tasks, each a graph of operations on the same four vectors. Everything that follows (C code,
 modelDescription.xml, documentation, the archive) is made from this object alone.
 
-Storage: every variable, of any type, is one double in the vector ``v``; its value reference is its index there.
-Arrays are contiguous, so that FMI 3.0 array variables need no other layout.
+Storage: every number of a variable, of any type, is one double in the vector ``v``. Those of an array lie one after the
+other, so a :class:`Variable` is also what FMI 3.0 calls one; the scalar variables of FMI 2.0 are a view of it, its
+:meth:`~Variable.elements`.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from navfmu.export.graph import Node
@@ -21,19 +23,24 @@ from navfmu.fmi.units import Unit
 
 @dataclass(frozen=True)
 class Variable:
-    """One scalar FMI variable. ``index`` is both its place in ``v`` and its value reference."""
+    """One declared variable, a scalar or an array of any number of dimensions.
+
+    ``index`` is the place of its first number in ``v``, and its value reference; the others follow in C order.
+    ``start``, ``min`` and ``max`` have a number for each.
+    """
 
     index: int
-    name: str  # "reading.rate[1]"
+    name: str  # "reading.rate"
     type: str  # "Real", "Integer", "Boolean"
     causality: str  # "input", "output", "parameter", "local"
     variability: str  # "fixed", "tunable", "discrete", "continuous"
     initial: str | None  # "exact", "calculated" or None (inputs)
-    start: float
+    start: tuple[float, ...]
+    shape: tuple[int, ...] = ()
     unit: str | None = None  # SI, as in UNITS
     display_unit: str | None = None
-    min: float | None = None
-    max: float | None = None
+    min: tuple[float, ...] | None = None
+    max: tuple[float, ...] | None = None
     nominal: float | None = None
     description: str = ""
     bundle: str | None = None  # name of the bundle it belongs to
@@ -41,9 +48,65 @@ class Variable:
     difference: bool = False  # between two values of its quantity: without an origin
 
     @property
-    def base(self) -> str:
-        """The name without the index of an element: "reading.rate" of "reading.rate[1]"."""
-        return re.sub(r"\[[\d,]+\]$", "", self.name)
+    def size(self) -> int:
+        """How many numbers it has."""
+        return math.prod(self.shape)
+
+    @property
+    def indices(self) -> range:
+        """The places of its numbers in ``v``."""
+        return range(self.index, self.index + self.size)
+
+    def elements(self) -> tuple[Element, ...]:
+        """Return its numbers one by one, in C order."""
+        return tuple(Element(self, number) for number in range(self.size))
+
+
+@dataclass(frozen=True)
+class Element:
+    """One number of a variable: a scalar variable of FMI 2.0."""
+
+    variable: Variable
+    number: int  # in C order, from 0
+
+    @property
+    def index(self) -> int:
+        """Its place in ``v``, and its value reference."""
+        return self.variable.index + self.number
+
+    @property
+    def place(self) -> tuple[int, ...]:
+        """Its indices in the array, from 0; none for a scalar."""
+        left, place = self.number, []
+        for count in reversed(self.variable.shape):
+            left, at = divmod(left, count)
+            place.insert(0, at)
+        return tuple(place)
+
+    @property
+    def subscript(self) -> str:
+        """How FMI writes its indices: "[1,2]"; nothing for a scalar."""
+        return f"[{','.join(str(at + 1) for at in self.place)}]" if self.variable.shape else ""
+
+    @property
+    def name(self) -> str:
+        """Its name in FMI 2.0: "reading.rate[1]"."""
+        return self.variable.name + self.subscript
+
+    @property
+    def start(self) -> float:
+        """Its start value."""
+        return self.variable.start[self.number]
+
+    @property
+    def min(self) -> float | None:
+        """Its least value, if there is one."""
+        return None if self.variable.min is None else self.variable.min[self.number]
+
+    @property
+    def max(self) -> float | None:
+        """Its largest value, if there is one."""
+        return None if self.variable.max is None else self.variable.max[self.number]
 
 
 @dataclass(frozen=True)
@@ -126,3 +189,13 @@ class Model:
     documentation: dict[str, Any] = field(default_factory=dict)
     through: Through | None = None
     units: Mapping[str, Unit] = field(default_factory=dict)  # that are not made of SI symbols
+
+    @cached_property
+    def elements(self) -> tuple[Element, ...]:
+        """All numbers of all variables, by their places in ``v``."""
+        return elements(self.variables)
+
+
+def elements(variables: Iterable[Variable]) -> tuple[Element, ...]:
+    """Return the numbers of variables one by one."""
+    return tuple(element for variable in variables for element in variable.elements())

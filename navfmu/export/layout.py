@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import math
 import re
 import string
 import zlib
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NoReturn
-
-import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir
@@ -22,25 +19,6 @@ from navfmu.export.task import MARKS, TaskDeclaration
 from navfmu.export.variable import TYPES, Input, Output, Parameter, Variable
 
 RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout"}
-
-
-@dataclass(frozen=True)
-class Field:
-    """Where a declared variable lies in the vector of all variables."""
-
-    name: str  # "reading.rate"
-    index: int
-    shape: tuple[int, ...]
-    size: int
-    kind: str
-    causality: str
-
-
-def element_name(name: str, shape: tuple[int, ...], i: int) -> str:
-    """Return the FMI name of element ``i`` (C order) of a variable: ``x``, ``x[1]``, ``x[1,2]``."""
-    if not shape:
-        return name
-    return f"{name}[{','.join(str(k + 1) for k in np.unravel_index(i, shape))}]"
 
 
 def _held(member: Any) -> Variable | Bundle | Table | None:
@@ -58,8 +36,8 @@ class Layout:
 
     def __init__(self, component: type, place: str) -> None:
         self.place, self.component = place, component
-        self.fields: dict[str, Field] = {}
-        self.variables: list[ir.Variable] = []
+        self.fields: dict[str, ir.Variable] = {}
+        self.size = 0  # of the vector of all variables
         self.tasks: list[TaskDeclaration] = []
         self.requirements: list[Requirement] = []
         self.tables: list[Table] = []
@@ -141,37 +119,32 @@ class Layout:
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)?", name):
             what = f"'{name}' cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
             self.fail(what, declared.place)
-        field = Field(
-            name, len(self.variables), declared.shape, math.prod(declared.shape), declared.kind, declared.causality
-        )
-        self.fields[name] = field
         causality = declared.causality
         if causality == "parameter":
             variability = "tunable" if declared.tunable else "fixed"
         else:
             smooth = declared.kind == "real" and bundle is None and causality != "local"
             variability = "continuous" if smooth else "discrete"
-        for i in range(field.size):
-            self.variables.append(
-                ir.Variable(
-                    index=field.index + i,
-                    name=element_name(name, declared.shape, i),
-                    type=TYPES[declared.kind],
-                    causality=causality,
-                    variability=variability,
-                    initial=None if causality == "input" else "exact",
-                    start=float(declared.start[i]),
-                    unit=declared.unit if declared.kind == "real" else None,
-                    display_unit=declared.display_unit,
-                    min=declared.bound("min", i),
-                    max=declared.bound("max", i),
-                    nominal=declared.nominal,
-                    description=declared.description,
-                    bundle=bundle,
-                    fault=declared.fault,
-                    difference=declared.difference,
-                )
-            )
+        self.fields[name] = variable = ir.Variable(
+            index=self.size,
+            name=name,
+            type=TYPES[declared.kind],
+            causality=causality,
+            variability=variability,
+            initial=None if causality == "input" else "exact",
+            start=tuple(declared.start.tolist()),
+            shape=declared.shape,
+            unit=declared.unit if declared.kind == "real" else None,
+            display_unit=declared.display_unit,
+            min=declared.bound("min"),
+            max=declared.bound("max"),
+            nominal=declared.nominal,
+            description=declared.description,
+            bundle=bundle,
+            fault=declared.fault,
+            difference=declared.difference,
+        )
+        self.size += variable.size
 
     def _add_bundle(self, name: str, bundle: Bundle) -> None:
         self.bundles[name] = bundle
@@ -213,20 +186,19 @@ class Layout:
         for requirement in self.requirements:
             for name in requirement.names:
                 if self.index(name) is None:
-                    known = [v.name for v in self.variables]
-                    self.fail(f"the sentence names '{name}', unknown{nearest(name, known)}", requirement.place)
+                    self.fail(f"the sentence names '{name}', unknown{nearest(name, self._indices)}", requirement.place)
 
     def _check_time(self, what: str, name: str | None) -> None:
         """Refuse a period or an offset that is no time which the user sets."""
         if name is None:
             return
         field = self.fields.get(name)
-        if field is None or (field.causality, field.kind, field.shape) != ("parameter", "real", ()):
+        if field is None or (field.causality, field.type, field.shape) != ("parameter", "Real", ()):
             known = [n for n, f in self.fields.items() if f.causality == "parameter"]
             self.fail(f"the {what} '{name}' is no scalar Parameter in s{nearest(str(name), known)}")
-        if self.variables[field.index].unit != "s":
-            self.fail(f"the {what} '{name}' is in {self.variables[field.index].unit}, expected a Parameter in s")
-        if what == "offset" and self.variables[field.index].variability != "fixed":
+        if field.unit != "s":
+            self.fail(f"the {what} '{name}' is in {field.unit}, expected a Parameter in s")
+        if what == "offset" and field.variability != "fixed":
             self.fail(f"the offset '{name}' must not be tunable: it says when the first tick comes")
 
     @staticmethod
@@ -247,8 +219,21 @@ class Layout:
         period, offset = named
         return ir.Clock(self.fields[period].index, None if offset is None else self.fields[offset].index)
 
+    @property
+    def variables(self) -> tuple[ir.Variable, ...]:
+        """The declared variables, in order."""
+        return tuple(self.fields.values())
+
+    @cached_property
+    def elements(self) -> tuple[ir.Element, ...]:
+        """Their numbers one by one, by value reference."""
+        return ir.elements(self.variables)
+
+    @cached_property
+    def _indices(self) -> dict[str, int]:
+        """Value references by FMI name; an array's name gives its first element."""
+        return {element.name: element.index for element in self.elements} | {n: v.index for n, v in self.fields.items()}
+
     def index(self, name: str) -> int | None:
         """Return the value reference of an FMI name (an array's name gives its first element), None if unknown."""
-        if name in self.fields:
-            return self.fields[name].index
-        return next((v.index for v in self.variables if v.name == name), None)
+        return self._indices.get(name)

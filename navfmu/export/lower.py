@@ -16,7 +16,7 @@ from navfmu.export.component import Component
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
-from navfmu.export.layout import Field, Layout
+from navfmu.export.layout import Layout
 from navfmu.export.place import is_foreign
 from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
@@ -28,7 +28,7 @@ class TraceFrame(Frame):
     """Symbols for everything a task can read."""
 
     def __init__(self, layout: Layout, period: int | None = None) -> None:
-        self.symbols = trace.symbols("v", "".join(_KINDS[v.type] for v in layout.variables))
+        self.symbols = trace.symbols("v", "".join(_KINDS[v.type] * v.size for v in layout.variables))
         super().__init__(layout, trace.symbols("time", "f")[0], 0.0 if period is None else self.symbols[period])
         self.tables, first = {}, 0
         for table in layout.tables:
@@ -38,19 +38,19 @@ class TraceFrame(Frame):
             first += both.size
         self.normals = 0
 
-    def load(self, field: Field) -> Any:
-        array = self.symbols[field.index : field.index + field.size].reshape(field.shape)
+    def load(self, variable: ir.Variable) -> Any:
+        array = self.symbols[variable.index : variable.index + variable.size].reshape(variable.shape)
         array.setflags(write=False)
         return array
 
-    def convert(self, field: Field, value: Any) -> Any:
+    def convert(self, variable: ir.Variable, value: Any) -> Any:
         array = np.array(value)
         if not isinstance(array, trace.Traced):
             array = array.astype(object).view(trace.Traced)
-        if field.kind == "integer":  # that there is no fraction is checked when the task runs
+        if variable.type == "Integer":  # that there is no fraction is checked when the task runs
             array = trace.whole_numbers(array)
         else:
-            array = array.astype(bool if field.kind == "boolean" else float)
+            array = array.astype(bool if variable.type == "Boolean" else float)
         array.setflags(write=False)
         return array
 

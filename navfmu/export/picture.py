@@ -51,13 +51,14 @@ def _panels(model: ir.Model, response: Response) -> dict[str, dict[str, Any]]:
     panels = {title: dict(curves) for title, curves in response.panels.items()}
     groups: dict[str, list[int]] = {}
     for column, index in enumerate(response.indices):
-        groups.setdefault(model.variables[index].base, []).append(column)
+        groups.setdefault(model.elements[index].variable.name, []).append(column)
     for name, columns in list(groups.items())[: max(10 - len(panels), 1)]:
         curves = {}
         for column in columns:
-            variable = model.variables[response.indices[column]]
+            element = model.elements[response.indices[column]]
+            variable = element.variable
             scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
-            curves[variable.name[len(name) :]] = drawn(scale * response.values[:, column] + offset)
+            curves[element.subscript] = drawn(scale * response.values[:, column] + offset)
         unit = display(variable, 0.0)[1]
         panels[f"{name} ({unit})" if unit else name] = curves
     return panels

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ def step_response(model: ir.Model, guid: str, library: Path, example: Example | 
     example = example or Example()
     base = _values(model, example.values)
     stop = example.duration
-    periods = [model.variables[clock.period].start for clock in codegen.clocks(model)]
+    periods = [model.elements[clock.period].start for clock in codegen.clocks(model)]
     count = int(min(3000, max(200, round(stop / min(periods, default=stop / 200)))))
     if example.step:
         count = round(stop / example.step)
@@ -56,25 +56,25 @@ def step_response(model: ir.Model, guid: str, library: Path, example: Example | 
     onset = example.mark if example.mark is not None else stop / 5 if stepped else None
     feed = _feed(model, example, time, base, stepped, stop / 5)
     fed = sorted({v.bundle for v in model.variables if v.bundle and v.causality == "input"})
-    outputs = [v.index for v in model.variables if v.causality == "output"]
+    outputs = [i for v in model.variables if v.causality == "output" for i in v.indices]
     values = np.empty((count + 1, len(outputs)))
     with _Run(model, guid, library) as run:
-        run.set(base | {i: column[0] for i, column in feed.items() if not model.variables[i].bundle})
+        run.set(base | {i: column[0] for i, column in feed.items() if not model.elements[i].variable.bundle})
         run.initialise()
         values[0] = run.get(outputs)
         for k in range(count):
             run.set({index: column[k] for index, column in feed.items() if k == 0 or column[k] != column[k - 1]})
             run.step(time[k], stop / count)
             values[k + 1] = run.get(outputs)
-    column = {model.variables[index].name: values[:, j] for j, index in enumerate(outputs)}
-    panels = example.panels({"time": time, **_whole(column)}) if example.panels else {}
+    column = {index: values[:, j] for j, index in enumerate(outputs)}
+    panels = example.panels({"time": time, **_arrays(model, column)}) if example.panels else {}
     shown = _shown(model, example)
+    sequences = {v.bundle: v.index for v in model.variables if v.name == f"{v.bundle}.sequence"}
     table = np.empty((count + 1, len(shown)))
     for j, index in enumerate(shown):
-        variable = model.variables[index]
-        table[:, j] = column[variable.name]
-        if variable.bundle:
-            table[column[f"{variable.bundle}.sequence"] == 0, j] = np.nan
+        table[:, j] = column[index]
+        if bundle := model.elements[index].variable.bundle:
+            table[column[sequences[bundle]] == 0, j] = np.nan
     return Response(time, shown, table, onset, stepped, fed, example, panels)
 
 
@@ -83,7 +83,11 @@ def _stepped(model: ir.Model, example: Example) -> dict[int, float]:
     if example.steps is not None or example.inputs is not None:
         return _values(model, example.steps or {})
     inputs = [v for v in model.variables if v.causality == "input" and v.type == "Real" and not v.fault]
-    return {v.index: _height(v) for v in inputs if not v.name.endswith(".time_of_validity")}
+    return {i: _height(v) for v in inputs if not _is_time_of_validity(v) for i in v.indices}
+
+
+def _is_time_of_validity(variable: ir.Variable) -> bool:
+    return variable.name == f"{variable.bundle}.time_of_validity"
 
 
 def _feed(
@@ -97,73 +101,77 @@ def _feed(
     """Return what is set at each communication point: index of an input to its values over time."""
     feed = {}
     for index, height in stepped.items():
-        feed[index] = base.get(index, model.variables[index].start) + np.where(time >= onset, height, 0.0)
+        feed[index] = base.get(index, model.elements[index].start) + np.where(time >= onset, height, 0.0)
     for variable in model.variables:
         if variable.causality != "input" or not variable.bundle:
             continue
         period = example.periods.get(variable.bundle, 0.0)
         number = np.floor(time / period + 1e-9) + 1 if period else np.arange(len(time)) + 1.0
         if variable.type == "Boolean":
-            feed[variable.index] = np.ones(len(time))
+            feed |= dict.fromkeys(variable.indices, np.ones(len(time)))
         elif variable.name == f"{variable.bundle}.sequence":
             feed[variable.index] = number
-        elif variable.name == f"{variable.bundle}.time_of_validity":
+        elif _is_time_of_validity(variable):
             feed[variable.index] = (number - 1) * period if period else time
     for name, array in (example.inputs(time) if example.inputs else {}).items():
         rows = np.asarray(array, dtype=float).reshape(len(time), *np.shape(array)[1:])
         for index in _values(model, {name: rows[0]}):
-            place = model.variables[index].name[len(name) :].strip("[]")
-            column = rows[(slice(None), *(int(i) - 1 for i in place.split(",")))] if place else rows
+            element = model.elements[index]
+            column = rows[(slice(None), *element.place)] if name == element.variable.name else rows
             # a value that is not data of a bundle is that of the step's end, when the component looks at it
-            feed[index] = column if model.variables[index].bundle else np.append(column[1:], column[-1])
+            feed[index] = column if element.variable.bundle else np.append(column[1:], column[-1])
     return feed
 
 
-def _whole(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the columns with those of one vector joined: ``x[1]``, ``x[2]`` become ``x`` of two columns."""
-    groups: dict[str, list[np.ndarray]] = {}
-    for name, column in columns.items():
-        groups.setdefault(name.partition("[")[0], []).append(column)
-    return {name: columns[name] if name in columns else np.stack(group, axis=1) for name, group in groups.items()}
+def _arrays(model: ir.Model, column: Mapping[int, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the outputs over time by name, the numbers of an array along the second axis."""
+    outputs = [v for v in model.variables if v.causality == "output"]
+    return {v.name: np.stack([column[i] for i in v.indices], axis=1) if v.shape else column[v.index] for v in outputs}
 
 
 def _shown(model: ir.Model, example: Example) -> list[int]:
     """Return the outputs in the picture, in the order of the example."""
-    outputs = {v.name: v for v in model.variables if v.causality == "output"}
+    outputs = [v for v in model.variables if v.causality == "output"]
     if example.shows is None:
-        real = [v for v in outputs.values() if v.type == "Real" and not v.name.endswith(".time_of_validity")]
-        return [v.index for v in real]
-    shown = []
+        return [i for v in outputs if v.type == "Real" and not _is_time_of_validity(v) for i in v.indices]
+    known = _indices(outputs)
     for name in example.shows:
-        found = [v.index for full, v in outputs.items() if name in (full, full.partition("[")[0])]
-        if not found:
+        if name not in known:
             raise NavfmuError(
-                f"component '{model.name}': its example shows '{name}', which is no output{nearest(name, outputs)}"
+                f"component '{model.name}': its example shows '{name}', which is no output{nearest(name, known)}"
             )
-        shown += found
-    return shown
+    return [index for name in example.shows for index in known[name]]
+
+
+def _indices(variables: Iterable[ir.Variable]) -> dict[str, Sequence[int]]:
+    """Return the places in ``v`` that names stand for: of elements, and of whole arrays."""
+    variables = list(variables)
+    return {e.name: [e.index] for e in ir.elements(variables)} | {v.name: v.indices for v in variables}
 
 
 def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
-    """Return values given by name (an array for a vector) by index."""
-    known = {v.name: v.index for v in model.variables if v.causality in ("input", "parameter")}
+    """Return values given by name (an array for an array) by index."""
+    inputs = [v for v in model.variables if v.causality in ("input", "parameter")]
+    known = _indices(inputs)
+    shapes = {v.name: v.shape for v in inputs}
     values: dict[int, Any] = {}
     for name, value in example.items():
-        array = np.asarray(value)
-        for place in np.ndindex(array.shape):
-            full = name + (f"[{','.join(str(i + 1) for i in place)}]" if place else "")
-            if full not in known:
-                raise NavfmuError(
-                    f"component '{model.name}': its example sets '{full}', which is no input or parameter"
-                    f"{nearest(full, known)}"
-                )
-            values[known[full]] = array[place].item()
+        if name not in known:
+            raise NavfmuError(
+                f"component '{model.name}': its example sets '{name}', which is no input or parameter"
+                f"{nearest(name, known)}"
+            )
+        if np.shape(value) != (shape := shapes.get(name, ())):
+            raise NavfmuError(
+                f"component '{model.name}': its example sets '{name}' to shape {np.shape(value)}, expected {shape}"
+            )
+        values |= zip(known[name], np.ravel(value).tolist(), strict=True)
     return values
 
 
 def _height(variable: ir.Variable) -> float:
     """Return a step that suits the unit, a round number in the display unit."""
-    leaf = variable.name.rpartition(".")[2].partition("[")[0]
+    leaf = variable.name.removeprefix(f"{variable.bundle}.")
     height = _MINUTE if leaf in _PLACES else _STEPS.get(variable.unit or "1", 1.0)
     factor = display(variable, 1.0)[0] - display(variable, 0.0)[0]
     return float(f"{height * factor:.0e}") / factor
@@ -223,7 +231,7 @@ class _Run:
             ("Integer", self.fmi.fmi2SetInteger, ctypes.c_int),
             ("Boolean", self.fmi.fmi2SetBoolean, ctypes.c_int),
         ):
-            chosen = [(i, value) for i, value in values.items() if self.model.variables[i].type == kind]
+            chosen = [(i, value) for i, value in values.items() if self.model.elements[i].variable.type == kind]
             if not chosen:
                 continue
             count = len(chosen)
@@ -239,7 +247,7 @@ class _Run:
             ("Integer", self.fmi.fmi2GetInteger, ctypes.c_int),
             ("Boolean", self.fmi.fmi2GetBoolean, ctypes.c_int),
         ):
-            chosen = [i for i in indices if self.model.variables[i].type == kind]
+            chosen = [i for i in indices if self.model.elements[i].variable.type == kind]
             numbers = (ctype * len(chosen))()
             if chosen:
                 references = (ctypes.c_uint * len(chosen))(*chosen)

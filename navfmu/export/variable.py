@@ -100,10 +100,10 @@ class Variable:
         name = f" '{self.name}'" if self.name else ""
         raise NavfmuError(f"{self.place}: {type(self).__name__}{name}: {what}")
 
-    def bound(self, which: str, i: int) -> float | None:
-        """Return ``min`` or ``max`` of element ``i``."""
+    def bound(self, which: str) -> tuple[float, ...] | None:
+        """Return ``min`` or ``max`` of each element, flat; None if there is none."""
         value = getattr(self, which)
-        return None if value is None else float(np.broadcast_to(value, self.shape).ravel()[i])
+        return None if value is None else tuple(self._numbers(which, value).tolist())
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name

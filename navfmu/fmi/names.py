@@ -7,6 +7,7 @@ stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -40,9 +41,31 @@ def split(name: str) -> tuple[str, str]:
     return component, variable
 
 
+_SUBSCRIPT = r"\[\d+(?:, ?\d+)*\]"  # the one place that knows how FMI 2.0 writes indices
+
+
 def array(name: str) -> str:
     """The array of an element: "reading.rate" of "reading.rate[1]"; other names stay as they are."""
-    return name.partition("[")[0]
+    return re.sub(f"({_SUBSCRIPT})+$", "", name)
+
+
+def subscript(name: str) -> tuple[int, ...]:
+    """The indices of an element, from 1: (1, 2) of "map[1,2]"; none of other names."""
+    return tuple(map(int, re.findall(r"\d+", name[len(array(name)) :])))
+
+
+def folded(names: Iterable[str]) -> list[str]:
+    """Names for people: one for all elements of an array, and one for a member of all bundles of an array."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        groups.setdefault(re.sub(_SUBSCRIPT, "[]", array(name)), []).append(array(name))
+    return [_between(group[0], group[-1]) for group in groups.values()]
+
+
+def _between(first: str, last: str) -> str:
+    """From the first to the last name of those that differ in indices: "station[1…5].range"."""
+    ends = iter(re.findall(_SUBSCRIPT, last))
+    return re.sub(_SUBSCRIPT, lambda at: at[0] if (end := next(ends)) == at[0] else f"{at[0][:-1]}…{end[1:]}", first)
 
 
 def bundle(name: str) -> str:
@@ -61,10 +84,15 @@ def group(names: Collection[str], name: str) -> dict[str, str]:
     return {member[len(name) :]: member for member in found}
 
 
+def is_element(suffix: str) -> bool:
+    """Whether a suffix is that of an element ("[1]") or none, and not that of a member of a bundle (".valid")."""
+    return re.fullmatch(f"({_SUBSCRIPT})*", suffix) is not None
+
+
 def elements(description: Description, name: str) -> list[Variable]:
     """The variable or the elements of the array of this name; empty if there is none."""
     found = group(description.by_name, name)
-    return [description.by_name[full] for suffix, full in found.items() if not suffix.startswith(".")]
+    return [description.by_name[full] for suffix, full in found.items() if is_element(suffix)]
 
 
 def members(description: Description, name: str, causalities: set[str], where: str) -> dict[str, Variable]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 from navfmu.engine.effect import DELAY, RANDOM
@@ -12,6 +13,7 @@ from navfmu.engine.library import SOURCE
 from navfmu.engine.link import Link
 from navfmu.engine.plan import Plan
 from navfmu.export import ir
+from navfmu.fmi import names
 from navfmu.fmi.description import Variable
 from navfmu.sabotage.passage import Key, Passage, passages, units
 from navfmu.sabotage.tables import tables
@@ -50,10 +52,9 @@ def _saboteur(passage: Passage, seed: int, direct: bool, taken: set[str]) -> Sab
     name = _free(f"{behind}_saboteur" if behind else "saboteur", passage.system)
     inputs = {passage.keys[slot]: f"{BEFORE}{passage.keys[slot][1]}" for slot in passage.entering}
     outputs = {key: key[1] if key[0] == behind else f"{TO}{'.'.join(key)}" for key in passage.leaving}
-    ends = [*((key, name, "input") for key, name in inputs.items())]
-    ends += [(key, name, "output") for key, name in outputs.items()]
-    variables = [_variable(i, name, kind, passage.variable(key)) for i, (key, name, kind) in enumerate(ends)]
-    place = len(variables) if _is_random(passage) else None
+    variables = _variables(0, "input", {name: passage.variable(key) for key, name in inputs.items()})
+    variables += _variables(len(inputs), "output", {name: passage.variable(key) for key, name in outputs.items()})
+    place = len(inputs) + len(outputs) if _is_random(passage) else None
     if place is not None:
         variables.append(_seed(place, seed))
     sources = [tuple(map(passage.entering.index, of_one)) for of_one in passage.sources]
@@ -92,6 +93,21 @@ def _is_random(passage: Passage) -> bool:
     return any(e["kind"] in RANDOM and (e["kind"] != DELAY or e["other"] != 0.0) for e in passage.effects)
 
 
+def _variables(index: int, causality: str, likes: Mapping[str, Variable]) -> list[ir.Variable]:
+    """Variables of the saboteur, from ``index`` on, by name like those of the system; a whole array is one."""
+    made: list[ir.Variable] = []
+    ends = ((names.array(name), _variable(0, name, causality, like)) for name, like in likes.items())
+    for (name, _), group in groupby(ends, lambda end: (end[0], replace(end[1], name="", start=()))):
+        single = [variable for _, variable in group]
+        start = sum((variable.start for variable in single), ())
+        whole = replace(single[0], name=name, start=start, shape=names.subscript(single[-1].name))
+        is_whole = whole.size == len(single) and [e.name for e in whole.elements()] == [v.name for v in single]
+        for variable in [whole] if is_whole else single:
+            made.append(replace(variable, index=index))
+            index += variable.size
+    return made
+
+
 def _variable(index: int, name: str, causality: str, like: Variable) -> ir.Variable:
     """A variable of the saboteur that is like one of the system."""
     entering = causality == "input"
@@ -102,9 +118,9 @@ def _variable(index: int, name: str, causality: str, like: Variable) -> ir.Varia
         causality=causality,
         variability="continuous" if like.type == "Real" and like.variability == "continuous" else "discrete",
         initial=None if entering else "calculated",
-        start=float(like.start or 0.0),
+        start=(float(like.start or 0.0),),
         unit=like.unit,
-        description=f"{'before' if entering else 'after'} the faults: {like.description or like.name}",
+        description=f"{'before' if entering else 'after'} the faults: {like.description or names.array(like.name)}",
         difference=like.relative,
     )
 
@@ -117,9 +133,9 @@ def _seed(index: int, seed: int) -> ir.Variable:
         causality="parameter",
         variability="fixed",
         initial="exact",
-        start=float(seed),
-        min=0.0,
-        max=2.0**31 - 1,
+        start=(float(seed),),
+        min=(0.0,),
+        max=(2.0**31 - 1,),
         description="seed of the random numbers of faults, that of the run; random times are those of the seed with "
         "which the saboteur was written",
     )

@@ -39,7 +39,7 @@ def oracle(phase, period, steps):
 
 
 def noises(ticks, component=Ticking, seed=1):
-    stream = int(next(v.start for v in component.layout.variables if v.name == "stream"))
+    stream = int(component.layout.fields["stream"].start[0])
     return [Normals(seed, stream, k, 0)(1)[0] for k, _, _ in ticks]
 
 

@@ -68,7 +68,7 @@ def test_other_units_are_refused(unit):
 def test_unknown_display_units_are_refused_with_the_nearest_name():
     model = lower(Sensor)
     wrong = dataclasses.replace(model.variables[0], unit="rad", display_unit="degs")
-    with pytest.raises(NavfmuError, match=r"variable 'u\[1\]': unit 'rad' cannot be displayed as 'degs'.*mean 'deg'"):
+    with pytest.raises(NavfmuError, match=r"variable 'u': unit 'rad' cannot be displayed as 'degs'.*mean 'deg'"):
         check_units(dataclasses.replace(model, variables=(wrong, *model.variables[1:])))
 
 
@@ -129,7 +129,7 @@ def test_initial_unknowns_depend_on_all_that_can_be_set_then():
             self.later = self.kept + self.known
 
     model = lower(Warm)
-    name = [v.name for v in model.variables]
+    name = [e.name for e in model.elements]
     assert {name[i]: {name[j] for j in of} for i, of in initial_unknowns(model)} == {
         "chance": {"sigma", "seed", "stream"},
         "known": {"covariance[2]"},

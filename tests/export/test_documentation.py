@@ -62,7 +62,7 @@ def run(component, example=None):
 def test_inputs_step_at_a_fifth_of_the_time():
     response = run(TwoRates)
     model = lower(TwoRates)
-    column = [model.variables[i].name for i in response.indices].index("sampled")
+    column = [model.elements[i].name for i in response.indices].index("sampled")
     sampled = response.values[:, column]
     assert set(sampled[response.time <= response.onset]) == {0.0}
     assert set(sampled[response.time >= response.onset + 0.2]) == {100.0}
@@ -72,7 +72,7 @@ def test_inputs_step_at_a_fifth_of_the_time():
 def test_the_example_of_a_component_sets_where_it_starts_and_what_steps():
     response = run(TwoRates, Example({"u": 5.0, "fast": 0.5}, steps={"u": -2.0}))
     model = lower(TwoRates)
-    column = [model.variables[i].name for i in response.indices].index("sampled")
+    column = [model.elements[i].name for i in response.indices].index("sampled")
     assert response.values[-1, column] == 3.0
     with pytest.raises(NavfmuError, match=r"its example sets 'v', which is no input or parameter"):
         run(TwoRates, Example({"v": 1.0}))
@@ -91,7 +91,7 @@ def test_an_example_may_move_its_inputs_choose_outputs_and_add_curves():
     )
     response = run(TwoRates, example)
     model = lower(TwoRates)
-    assert [model.variables[i].name for i in response.indices] == ["sampled"]
+    assert [model.elements[i].name for i in response.indices] == ["sampled"]
     assert response.values[10:, 0] == pytest.approx(2.0 * response.time[10:])  # not one step late
     assert (response.onset, response.stepped) == (3.0, {})
     assert np.array_equal(response.panels["twice (m)"]["curve"], 2.0 * response.values[:, 0])

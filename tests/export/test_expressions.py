@@ -214,8 +214,8 @@ def test_fmu_and_interpreter_have_the_same_bits_for_drawn_expressions(tmp_path):
     component = _component()
     native, twin = _both(component, tmp_path)
     _initialise(native, twin)
-    inputs = [v.index for v in component.layout.variables if v.causality == "input"]
-    outputs = [v.index for v in component.layout.variables if v.causality == "output"]
+    inputs = [i for v in component.layout.variables if v.causality == "input" for i in v.indices]
+    outputs = [i for v in component.layout.variables if v.causality == "output" for i in v.indices]
     rng = np.random.default_rng(SEED)
     with np.errstate(all="ignore"):
         for k in range(20):
@@ -227,4 +227,4 @@ def test_fmu_and_interpreter_have_the_same_bits_for_drawn_expressions(tmp_path):
             status, got = native.get_references("Real", outputs)
             assert status == OK
             apart = expressions.distance(np.array(got), np.array(twin.get_values("Real", outputs), float))
-            assert not np.any(apart), [component.layout.variables[outputs[i]].name for i in np.flatnonzero(apart)]
+            assert not np.any(apart), [component.layout.elements[outputs[i]].name for i in np.flatnonzero(apart)]

@@ -134,16 +134,16 @@ class Host:
 
     def __init__(self, component, random, derivatives=True):
         self.component, self.random, self.derivatives = component, random, derivatives
-        self.variables = component.layout.variables
+        self.elements = component.layout.elements
         self.time = 0.0
 
     def choose(self, *items):
         return items[self.random.integers(len(items))]
 
     def references(self, kind):
-        right = [v.index for v in self.variables if v.type == kind] or [0]
+        right = [e.index for e in self.elements if e.variable.type == kind] or [0]
         count = int(self.random.integers(1, 4))
-        wrong = [int(self.random.integers(len(self.variables))), len(self.variables), 2**32 - 1]
+        wrong = [int(self.random.integers(len(self.elements))), len(self.elements), 2**32 - 1]
         return [self.choose(*wrong) if self.random.random() < 0.05 else self.choose(*right) for _ in range(count)]
 
     def value(self, kind):
@@ -200,7 +200,7 @@ def same(native, floats):
 @pytest.mark.parametrize("name", COMPONENTS)
 def test_native_fmu_and_interpreter_agree_whatever_a_host_calls(name, unzipped):
     component = COMPONENTS[name]
-    by_kind = [(kind, [v.index for v in component.layout.variables if v.type == kind]) for kind in KINDS]
+    by_kind = [(kind, [e.index for e in component.layout.elements if e.variable.type == kind]) for kind in KINDS]
     seen = set()
     for seed in range(150):
         random = np.random.default_rng([7, seed])
@@ -266,7 +266,7 @@ def test_the_access_rules_are_those_of_the_standard():
 def test_both_sides_know_which_variables_are_calculated(unzipped):
     """A bundle or an array that a start task assigns is calculated as a whole."""
     for name, component in COMPONENTS.items():
-        calculated = {v.name for v in Interpreter(component).variables if v.initial == "calculated"}
+        calculated = {e.name for e in Interpreter(component).elements if e.variable.initial == "calculated"}
         described = {n for n, v in unzipped[name].variables.items() if v.get("initial") == "calculated"}
         assert calculated == described
     assert {"first", "begun"} == {v.name for v in Interpreter(Mixed).variables if v.initial == "calculated"}

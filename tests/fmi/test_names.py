@@ -102,3 +102,16 @@ def test_parts_of_names():
     assert (names.bundle("reading.rate[1]"), names.bundle("rate[1]")) == ("reading", "")
     assert names.short(["reading.rate[1]"]) == ["reading.rate[1]", "reading.rate", "reading"]
     assert names.short(["a.b.c"]) == ["a.b.c", "a.b", "a"]
+
+
+def test_arrays_of_bundles_are_no_arrays_of_numbers():
+    """Whoever takes everything from the first bracket on for indices would make one array of all their members."""
+    assert [names.array(n) for n in ("s[2].range", "s[2].bias[1,3]", "'a[1]'")] == ["s[2].range", "s[2].bias", "'a[1]'"]
+    assert [names.subscript(n) for n in ("s[2].range", "s[2].bias[1, 3]")] == [(), (1, 3)]
+    assert [names.is_element(suffix) for suffix in ("", "[1]", "[1,2,3]", "[1].valid", ".valid")] == [1, 1, 1, 0, 0]
+
+
+def test_names_are_folded_for_people():
+    found = [f"{name}[{i}]{rest}" for i in (1, 2, 3) for name, rest in (("s", ".valid"), ("s", ".bias[1]"), ("x", ""))]
+    assert names.folded(found) == ["s[1…3].valid", "s[1…3].bias", "x"]
+    assert names.folded(["m[1,1].a", "m[2,3].a", "s[2].b", "y"]) == ["m[1,1…2,3].a", "s[2].b", "y"]

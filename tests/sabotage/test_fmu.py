@@ -19,8 +19,9 @@ from navfmu.engine.link import TYPES
 from navfmu.export.build import build, prepare
 from navfmu.export.description import describe
 from navfmu.export.toolchain import TARGETS
+from navfmu.fmi.description import Variable
 from navfmu.fmi.units import Unit
-from navfmu.sabotage.saboteur import saboteurs
+from navfmu.sabotage.saboteur import _variables, saboteurs
 from navfmu.ssp.writer import SystemSource
 from tests import sanitizers
 from tests.components import systems
@@ -102,11 +103,25 @@ def test_names_of_other_makers_are_not_said_to_be_structured(tmp_path):
     assert 'variableNamingConvention="structured"' in describe(made()[1].model, "{x}")
 
 
+def test_whole_arrays_are_arrays_and_parts_of_them_are_not():
+    """An array whose elements do not all pass must not name others than those that do."""
+
+    def passed(*names):
+        likes = {name: Variable(name, 7, "Real", "output", start=float(i)) for i, name in enumerate(names)}
+        return [(v.name, v.index, v.shape, v.start) for v in _variables(3, "output", likes)]
+
+    assert passed("x[1]", "x[2]", "y") == [("x", 3, (2,), (0.0, 1.0)), ("y", 5, (), (2.0,))]
+    assert passed("m[1,1]", "m[1,2]", "m[2,1]", "m[2,2]") == [("m", 3, (2, 2), (0.0, 1.0, 2.0, 3.0))]
+    for part in (("x[2]", "x[3]"), ("x[2]", "x[1]"), ("m[1, 1]", "m[1, 2]"), ("m[1,1]", "m[2,2]")):
+        assert [(name, shape) for name, _, shape, _ in passed(*part)] == [(name, ()) for name in part]
+
+
 def test_units_of_other_makers_are_taken_over_as_they_are():
     """One that is no SI unit with its factor; of one that nobody defines the name, and not that it has no dimension."""
     feet = Unit("ft", (0, 1, 0, 0, 0, 0, 0, 0), 0.3048)
     model = made()[1].model
-    variables = [dataclasses.replace(model.variables[0], unit=unit, index=i) for i, unit in enumerate(("ft", "smoot"))]
+    like = dataclasses.replace(model.variables[0], shape=(), start=(0.0,))
+    variables = [dataclasses.replace(like, name=unit, unit=unit, index=i) for i, unit in enumerate(("ft", "smoot"))]
     foreign = dataclasses.replace(model, variables=tuple(variables), units={"ft": feet, "smoot": Unit("smoot")})
     xml = ElementTree.fromstring(describe(foreign, "{x}"))
     defined = {unit.get("name"): [dict(base.attrib) for base in unit] for unit in xml.iter("Unit")}
