@@ -96,7 +96,14 @@ def _variables(variables: list[Variable], about: Description, title: str) -> Tab
         Column("description", Kind.SENTENCE),
     ]
     rows = (
-        [v.name, "Enumeration" if v.enumeration else v.type, v.unit or "", _start(v, about), _range(v), v.description]
+        [
+            v.name,
+            "Enumeration" if v.enumeration else v.type,
+            v.unit or "",
+            _start(v, about),
+            _range(v, about),
+            v.description,
+        ]
         for v in variables
     )
     return Table(columns, rows, title)
@@ -108,12 +115,15 @@ def _start(variable: Variable, about: Description) -> str:
     if isinstance(variable.start, bool):
         return "true" if variable.start else "false"
     if variable.type != "Real":
-        return str(variable.start)
+        names = {number: name for name, number in about.items(variable).items()}
+        return names.get(variable.start, str(variable.start))
     text, show = f"{variable.start:.6g}", Display.of(variable, about)
     return text if show.unit == (variable.unit or "") else f"{text} = {show.text(variable.start)} {show.unit}"
 
 
-def _range(variable: Variable) -> str:
+def _range(variable: Variable, about: Description) -> str:
+    if items := about.items(variable):
+        return ", ".join(f"{name} = {number}" for name, number in items.items())
     if variable.min is None and variable.max is None:
         return ""
     low = "" if variable.min is None else f"{variable.min:.6g}"

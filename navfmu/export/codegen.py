@@ -194,6 +194,8 @@ def _access(variable: ir.Variable) -> str:
     """Return the type and the states in which the variable may be set."""
     states = _settable(variable)
     bits = [variable.type.upper(), *(state.name for state in life.State if state in states)]
+    if variable.enumeration:
+        bits.append("ENUMERATION")
     if variable.causality == "parameter" and life.State.STEPPING in states:
         bits.append("TUNABLE")
     return " | ".join(bits)

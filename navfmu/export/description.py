@@ -183,6 +183,7 @@ def _lines(
         yield "    </SourceFiles>"
         yield "  </CoSimulation>"
     yield from _units(model)
+    yield from _types(model)
     yield "  <LogCategories>"
     yield from (
         "    " + _tag("Category", {"name": n, "description": d}, closed=True) for n, d in life.categories().items()
@@ -238,6 +239,21 @@ def _units(model: ir.Model) -> Iterable[str]:
     yield "  </UnitDefinitions>"
 
 
+def _types(model: ir.Model) -> Iterable[str]:
+    enumerations = dict.fromkeys(v.enumeration for v in model.variables if v.enumeration)
+    if not enumerations:
+        return
+    yield "  <TypeDefinitions>"
+    for enumeration in enumerations:
+        yield f"    <SimpleType name={quoteattr(enumeration.name)}>"
+        yield "      <Enumeration>"
+        for name, number in enumeration.items:
+            yield "        " + _tag("Item", {"name": name, "value": number}, closed=True)
+        yield "      </Enumeration>"
+        yield "    </SimpleType>"
+    yield "  </TypeDefinitions>"
+
+
 def _base_of(model: ir.Model, unit: str) -> Mapping[str, object] | None:
     """The attributes of a unit's definition; None: nothing is known but its name."""
     if unit not in model.units:
@@ -268,6 +284,7 @@ def _variable(element: ir.Element) -> Iterable[str]:
         return None if value is None else convert(value)
 
     value = {
+        "declaredType": variable.enumeration.name if variable.enumeration else None,
         "unit": variable.unit if real else None,
         "displayUnit": variable.display_unit if real and variable.display_unit != variable.unit else None,
         "relativeQuantity": True if variable.difference else None,
@@ -276,7 +293,7 @@ def _variable(element: ir.Element) -> Iterable[str]:
         "nominal": number(variable.nominal) if real else None,
         "start": number(element.start) if starts else None,
     }
-    yield "      " + _tag(variable.type, value, closed=True)
+    yield "      " + _tag("Enumeration" if variable.enumeration else variable.type, value, closed=True)
     if variable.fault:
         yield '      <Annotations><Tool name="navfmu"><fault/></Tool></Annotations>'
     yield "    </ScalarVariable>"

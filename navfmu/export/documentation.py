@@ -96,12 +96,14 @@ def _shown(variable: ir.Variable, value: Any) -> str:
 def _row(variable: ir.Variable) -> dict[str, Any]:
     first, last = variable.elements()[0], variable.elements()[-1]
     subscripts = f"{first.subscript}…{last.subscript}" if variable.shape else ""
-    unit = variable.unit or {"Integer": "Integer", "Boolean": "Boolean"}.get(variable.type, "")
+    unit = variable.unit or ("Enumeration" if variable.enumeration else variable.type.replace("Real", ""))
     starts = ["calculated"] if variable.initial == "calculated" else [_value(variable, x) for x in variable.start]
     start = starts[0] if len(set(starts)) == 1 else ", ".join(starts[:8]) + (", …" if len(starts) > 8 else "")
     limits = ""
     if first.min is not None or first.max is not None:
         limits = " … ".join("" if value is None else _value(variable, value) for value in (first.min, first.max))
+    if variable.enumeration:
+        limits = ", ".join(f"{name} = {number}" for name, number in variable.enumeration.items)
     tunable = variable.causality == "parameter" and variable.variability == "tunable"
     remarks = " (tunable)" * tunable + " (a difference)" * variable.difference
     return {
@@ -116,6 +118,8 @@ def _row(variable: ir.Variable) -> dict[str, Any]:
 def _value(variable: ir.Variable, value: float) -> str:
     if variable.type == "Boolean":
         return "true" if value else "false"
+    if variable.enumeration:
+        return next(name for name, number in variable.enumeration.items if number == value)
     text = f"{value:.6g}" if variable.type == "Real" else str(round(value))
     number, unit = display(variable, value)
     if variable.display_unit and variable.display_unit != variable.unit and value:

@@ -81,8 +81,11 @@ class FloatFrame(Frame):
         array = np.array(value)
         if variable.type == "Integer":
             for i, number in zip(variable.indices, array.ravel().tolist(), strict=True):
+                element = self.layout.elements[i]
                 if not is_whole(number):
-                    self.fail(life.sentence("NOT_WHOLE", self.layout.elements[i].name, number))
+                    self.fail(life.sentence("NOT_WHOLE", element.name, number))
+                if variable.enumeration and not element.min <= number <= element.max:
+                    self.fail(life.sentence("NO_ITEM", element.name, element.min, element.max, number))
         if variable.type == "Boolean":
             array = array != 0
         array = array.astype(_DTYPES[variable.type])

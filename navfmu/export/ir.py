@@ -22,6 +22,14 @@ from navfmu.fmi.units import Unit
 
 
 @dataclass(frozen=True)
+class Enumeration:
+    """The type of a variable whose value is the number of an item; the numbers have no gaps."""
+
+    name: str  # "Mode"
+    items: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
 class Variable:
     """One declared variable, a scalar or an array of any number of dimensions.
 
@@ -46,6 +54,7 @@ class Variable:
     bundle: str | None = None  # name of the bundle it belongs to
     fault: bool = False  # an input that exists to inject a physical fault
     difference: bool = False  # between two values of its quantity: without an origin
+    enumeration: Enumeration | None = None  # of an Integer that is one
 
     @property
     def size(self) -> int:

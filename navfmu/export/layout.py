@@ -42,6 +42,7 @@ class Layout:
         self.requirements: list[Requirement] = []
         self.tables: list[Table] = []
         self.bundles: dict[str, Bundle] = {}
+        self.enumerations: dict[str, ir.Enumeration] = {}
         members: dict[str, Any] = {}
         for base in reversed(component.__mro__):
             own = {k: v for k, v in vars(base).items() if not k.startswith("__")}
@@ -63,6 +64,8 @@ class Layout:
             self._add("seed", Parameter(**number, start=1, description="seed of the random numbers"))
             self._add("stream", Parameter(**number, start=stream, description="which stream of random numbers"))
         self._check_tasks(component)
+        for named in self.enumerations.keys() & self.fields.keys():
+            self.fail(f"'{named}' is the name of a variable and that of an enumeration; FMI 2.0 wants two names")
 
     def fail(self, what: str, place: str | None = None) -> NoReturn:
         """Raise the error for this component."""
@@ -143,8 +146,19 @@ class Layout:
             bundle=bundle,
             fault=declared.fault,
             difference=declared.difference,
+            enumeration=self._enumeration(declared),
         )
         self.size += variable.size
+
+    def _enumeration(self, declared: Variable) -> ir.Enumeration | None:
+        """Return the type of an enumeration: the class of its items, or one that is named after the variable."""
+        if not declared.items:
+            return None
+        named = declared.enumeration or "".join(w[:1].upper() + w[1:] for w in declared.name.split("_"))
+        found = ir.Enumeration(named, tuple(declared.items.items()))
+        if self.enumerations.setdefault(named, found) != found:
+            declared.fail(f"its items are another '{named}' than those of another variable; give it another name")
+        return found
 
     def _add_bundle(self, name: str, bundle: Bundle) -> None:
         self.bundles[name] = bundle

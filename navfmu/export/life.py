@@ -114,6 +114,7 @@ MESSAGES = {
     "NOT_SETTABLE": _error("Variable '%s' cannot be set %s: %s."),
     "NO_SLOPE": _error("A derivative of order %d was set for '%s'; expected order 1 and a continuous Real input."),
     "NOT_WHOLE": _error("'%s' is an Integer and is assigned %.9g."),
+    "NO_ITEM": _error("'%s' is an Enumeration from %.9g to %.9g and is assigned %.9g."),
     "BETWEEN": _error(f"{_PARAMETER} from %.9g to %.9g%s%s."),
     "AT_LEAST": _error(f"{_PARAMETER} of at least %.9g%s%s."),
     "AT_MOST": _error(f"{_PARAMETER} of at most %.9g%s%s."),
@@ -171,6 +172,7 @@ def _header() -> Iterable[str]:
     yield "#define NAVFMU_LIFE_H"
     yield ""
     yield f"typedef enum {{ {', '.join(f'{state.name} = {state.value}' for state in State)} }} Phase;"
+    yield f"enum {{ PHASES = {int(_ALWAYS)} }}; /* all of them */"
     yield ""
     yield "static inline const char *phase_name(long long phase) {"
     yield "    switch (phase) {"

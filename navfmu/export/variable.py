@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
 from typing import Any, NoReturn
 
 import numpy as np
@@ -9,13 +11,17 @@ import numpy as np
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.place import check_text, place
 
-TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+#: By kind: the type that a variable has for everybody who sets, connects or calculates with it.
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 
 
 class Variable:
     """One declared variable, scalar, vector or matrix; use the subclasses.
 
     A ``difference`` between two values has no origin: 10 degC of it are 10 K.
+
+    An enumeration has ``items``: names, which are numbered from 1, or an ``IntEnum`` without gaps. Its value is the
+    number of an item, and it starts with the first one; ``start`` takes a name, too.
     """
 
     causality = ""
@@ -30,6 +36,7 @@ class Variable:
         display_unit: str | None = None,
         description: str = "",
         kind: str = "real",
+        items: type[IntEnum] | Sequence[str] | None = None,
         fault: bool = False,
         tunable: bool = False,
         difference: bool = False,
@@ -44,7 +51,8 @@ class Variable:
             else:
                 self.shape = (int(item),) if isinstance(item, int | np.integer) else tuple(int(n) for n in item)
         if kind not in TYPES:
-            self.fail(f"kind is {kind!r}, expected real, integer or boolean{nearest(kind, TYPES)}")
+            known = list(TYPES)
+            self.fail(f"kind is {kind!r}, expected {', '.join(known[:-1])} or {known[-1]}{nearest(str(kind), known)}")
         if kind == "real" and self.unit is None:
             self.fail('a real variable needs its unit, for example Input("m/s2"), or "1" if it has none')
         if any(n < 1 for n in self.shape) or len(self.shape) > 2:
@@ -55,6 +63,11 @@ class Variable:
             self.fail("fault=True is for inputs")
         if difference and kind != "real":
             self.fail("difference=True is for real variables, which have a unit")
+        self.items = self._numbered(kind, items)
+        self.enumeration = items.__name__ if isinstance(items, type) else None  # the name of its type
+        if self.items:
+            kind, start = "integer", self._numbers_of_items(start)
+            min, max = self._within_items(min, max)
         self.kind, self.min, self.max, self.nominal = kind, min, max, nominal
         self.display_unit, self.description, self.fault, self.tunable = display_unit, description, fault, tunable
         self.difference = difference
@@ -63,6 +76,44 @@ class Variable:
         self._check_range()
         if nominal is not None and not np.all(self._numbers("nominal", nominal) > 0):
             self.fail(f"nominal is {nominal}, expected a positive number")
+
+    def _numbered(self, kind: str, items: type[IntEnum] | Sequence[str] | None) -> Mapping[str, int]:
+        """Return the items of an enumeration with their numbers; of another variable none."""
+        if (kind == "enumeration") != (items is not None):
+            self.fail('items and kind="enumeration" go together, for example items=("search", "track")')
+        if items is None:
+            return {}
+        if isinstance(items, type) and issubclass(items, IntEnum):
+            numbered = {item.name: int(item) for item in items}
+        elif isinstance(items, list | tuple) and len(set(items)) == len(items):
+            numbered = {name: number for number, name in enumerate(items, 1)}
+        else:
+            numbered = {}
+        if not numbered or not all(isinstance(name, str) and name.strip() for name in numbered):
+            self.fail(f"items are {items!r}, expected names, each of them once, or an IntEnum")
+        first, last = min(numbered.values()), max(numbered.values())
+        if sorted(numbered.values()) != list(range(first, last + 1)):
+            told = ", ".join(f"{name} = {number}" for name, number in numbered.items())
+            self.fail(f"items have the numbers {told}; expected numbers without gaps")
+        for name in numbered:
+            check_text(self.place, f"{type(self).__name__}: items", name)
+        return numbered
+
+    def _numbers_of_items(self, start: Any) -> Any:
+        """Return start values with the numbers of the items that stand there by name."""
+        if start is None:
+            return next(iter(self.items.values()))
+        if isinstance(start, str):
+            if start not in self.items:
+                known = ", ".join(self.items)
+                self.fail(f"start is {start!r}, expected one of {known}{nearest(start, self.items)}")
+            return self.items[start]
+        return [self._numbers_of_items(part) for part in start] if isinstance(start, list | tuple) else start
+
+    def _within_items(self, low: Any, high: Any) -> tuple[Any, Any]:
+        """Return the range, which is that of the items where none is given."""
+        first, last = min(self.items.values()), max(self.items.values())
+        return first if low is None else low, last if high is None else high
 
     def _numbers(self, what: str, value: Any) -> np.ndarray:
         """Return one number for each element, flat: finite, and such as a variable of this kind can hold."""

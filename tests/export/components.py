@@ -1,5 +1,7 @@
 """Small components that the exporter's tests share."""
 
+from enum import IntEnum
+
 import numpy as np
 
 from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
@@ -188,3 +190,34 @@ class Ticking(Component):
     @every("steady", offset="phase")
     def other(self):
         self.others = self.time
+
+
+class Lock(IntEnum):
+    """What a receiver does."""
+
+    SEARCH = 1
+    TRACK = 2
+    MEMORY = 3
+
+
+class Modes(Component):
+    """A receiver that goes from one mode to another, as it is commanded."""
+
+    command = Input(kind="enumeration", items=("off", "hold", "go on"), start="hold", description="what to do")
+    stride = Parameter(kind="integer", start=1, min=-9, max=9, tunable=True, description="how far the mode goes")
+    first = Parameter(kind="enumeration", items=Lock, start=Lock.TRACK, description="mode at the start")
+    sample_period = Parameter("s", start=0.1, description="sampling period")
+    mode = Output(kind="enumeration", items=Lock, description="mode")
+    history = Output(2, kind="enumeration", items=Lock, start=("MEMORY", 1), description="modes before it")
+    seen = Output("1", start=-1.0, description="0 in search, 1 in track, 0.5 in memory")
+
+    @start
+    def begin(self):
+        self.mode = self.first
+
+    @every("sample_period")
+    def step(self):
+        self.history = np.array([self.mode, self.history[0]])
+        held = np.where(self.command == 1, Lock.SEARCH, self.mode)
+        self.mode = np.where(self.command == 3, self.mode + self.stride, held)
+        self.seen = np.where(self.mode == Lock.TRACK, 1.0, np.where(self.mode == Lock.MEMORY, 0.5, 0.0))

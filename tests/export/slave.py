@@ -31,7 +31,8 @@ class Unzipped:
         return int(self.variables[name].get("valueReference"))
 
     def type(self, name: str) -> str:
-        return next(child.tag for child in self.variables[name] if child.tag in _C)
+        tag = next(child.tag for child in self.variables[name] if child.tag in (*_C, "Enumeration"))
+        return "Integer" if tag == "Enumeration" else tag
 
 
 class Slave:

@@ -11,11 +11,11 @@ from navfmu.export.codegen import table_text
 from navfmu.export.lower import lower
 from tests import sanitizers
 
-from .components import Listener, Mixed, Rows, Sensor, Source, Ticking, TwoRates
+from .components import Listener, Mixed, Modes, Rows, Sensor, Source, Ticking, TwoRates
 
 
 @sanitizers.needs_gcc
-@pytest.mark.parametrize("component", [Sensor, Listener, Source, Rows, TwoRates, Mixed, Ticking])
+@pytest.mark.parametrize("component", [Sensor, Listener, Source, Rows, TwoRates, Mixed, Modes, Ticking])
 def test_sanitizers_find_nothing_whatever_a_host_calls(component, tmp_path):
     model = lower(component)
     for name, text in prepare(model).files.items():

@@ -205,7 +205,7 @@ SELDOM static fmi2Status refuse_set(Slave *slave, fmi2ValueReference reference, 
     }
     instance_say(&slave->core, SAY_NOT_SETTABLE, model.variables[reference].name,
                  phase_name(slave->core.state->phase),
-                 model.access[reference] & ~TYPES ? WHY_FIXED : WHY_CALCULATED);
+                 model.access[reference] & PHASES ? WHY_FIXED : WHY_CALCULATED);
     return fmi2Error;
 }
 

@@ -122,6 +122,12 @@ static int check_wholes(Instance *self, const Task *task) {
             return 1;
         }
         *value += 0.0; /* there is no Integer -0 */
+        const int index = task->targets[task->wholes[i]];
+        const Variable *item = &model.variables[index];
+        if (model.access[index] & ENUMERATION && !(*value >= item->min && *value <= item->max)) {
+            instance_say(self, SAY_NO_ITEM, item->name, item->min, item->max, *value);
+            return 1;
+        }
     }
     return 0;
 }

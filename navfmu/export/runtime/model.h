@@ -8,7 +8,7 @@
 
 /* Every variable of any type is one double in the vector v; its value reference is its index there.
    These are the types; further bits of a variable's access are the phases (life.h) in which it may be set. */
-enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, TYPES = 7, TUNABLE = 256 /* its range is checked when it is set */ };
+enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, TYPES = 7, TUNABLE = 256 /* its range is checked when it is set */, ENUMERATION = 512 /* and when a task assigns it */ };
 
 typedef struct {
     const char *name;
