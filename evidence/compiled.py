@@ -11,9 +11,13 @@ from typing import Any
 import numpy as np
 
 from navfmu.export import toolchain, trace
-from navfmu.export.graph import Node, c_function
+from navfmu.export.build import RUNTIME
+from navfmu.export.extent import Extent, extent
+from navfmu.export.graph import Node
+from navfmu.export.printer import c_function, c_helpers
 
 _HEAD = """#include <math.h>
+#include "arrays.h"
 
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
@@ -38,9 +42,11 @@ class Compiled:
         return result.reshape(self.shape)
 
 
-def traced(function: Callable, arguments: Sequence[Any]) -> Compiled:
-    """Trace a function with elements of a vector in the shapes of its arguments."""
-    with trace.tracing():
+def traced(function: Callable, arguments: Sequence[Any], whole: int | None = None) -> Compiled:
+    """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements are
+    kept whole, and the functions of its module are called.
+    """
+    with trace.tracing(), extent(Extent(whole=whole)):
         symbols, first = [], 0
         for argument in map(np.asarray, arguments):
             kinds = argument.dtype.kind * argument.size
@@ -50,20 +56,22 @@ def traced(function: Callable, arguments: Sequence[Any]) -> Compiled:
         return Compiled(trace.expressions(result), np.shape(result))
 
 
-def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]]) -> list[Compiled]:
+def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: int | None = None) -> list[Compiled]:
     """Trace functions, each with arguments of the shapes that it will get, and compile them in one go."""
-    return linked([traced(function, arguments) for function, arguments in functions])
+    return linked([traced(function, arguments, whole) for function, arguments in functions])
 
 
 def linked(made: list[Compiled]) -> list[Compiled]:
     """Compile functions of the one vector ``v`` into a library, and return them ready to be called."""
-    source = [_HEAD, *(c_function(f"f{i}", ["v"], one.nodes) for i, one in enumerate(made))]
+    source = [_HEAD, *c_helpers([node for one in made for node in one.nodes])]
+    source += [c_function(f"f{i}", ["v"], one.nodes) for i, one in enumerate(made)]
     names = ", ".join(f"f{i}" for i in range(len(made)))
     source.append(f"EXPORT void (*const functions[])(const double *, double *) = {{{names}}};\n")
     with tempfile.TemporaryDirectory(prefix="navfmu-", ignore_cleanup_errors=True) as scratch:
         file = Path(scratch) / "functions.c"
         file.write_text("\n".join(source))
-        library = ctypes.CDLL(str(toolchain.compile_shared([file], file.with_suffix(toolchain.suffix("host")))))
+        compiled = toolchain.compile_shared([file], file.with_suffix(toolchain.suffix("host")), include=[RUNTIME])
+        library = ctypes.CDLL(str(compiled))
     kind = ctypes.CFUNCTYPE(None, *[ctypes.POINTER(ctypes.c_double)] * 2)
     for one, address in zip(made, (ctypes.c_void_p * len(made)).in_dll(library, "functions"), strict=True):
         one.evaluate = kind(address)

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
-from navfmu.export.graph import Node, c_function, c_number, settled
+from navfmu.export.graph import Array, Node, element, settled
+from navfmu.export.printer import c_function, c_helpers, c_number, has_arrays
 
 #: The vectors that a task's function reads, in order.
 VECTORS = ("v", "noise", "time", "rows", "fixed")
@@ -71,9 +72,14 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield "#include <math.h>"
     yield ""
     fixed = _fixed(model)
-    known = {node: f"fixed[{place}]" for node, place in fixed.items()}
-    once = {place: node for node, place in reversed(fixed.items())}
-    yield c_function("fixed_values", ["v"], [once[place] for place in range(len(once))])
+    known = {node: ("fixed", place) for node, place in fixed.items()}
+    once = _once(fixed)
+    results = [*once, *(value for task in model.tasks for value in task.values), *(c.holds for c in model.checks)]
+    if has_arrays(results):
+        yield '#include "arrays.h"'
+        yield ""
+        yield from c_helpers(results)
+    yield c_function("fixed_values", ["v"], once)
     for i, task in enumerate(model.tasks):
         yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {})
     for i, check in enumerate(model.checks):
@@ -168,6 +174,15 @@ def _fixed(model: ir.Model) -> dict[Node, int]:
         return vector == "v" and index not in changing
 
     return settled((value for task in running for value in task.values), constant)
+
+
+def _once(fixed: dict[Node, int]) -> list[Node]:
+    """Return what is calculated once, number by number."""
+    found: dict[int, list[Node]] = {}
+    for node, place in fixed.items():
+        one = [element(node, i) for i in range(node.size)] if isinstance(node, Array) else [node]
+        found.setdefault(place, one)
+    return [node for place in sorted(found) for node in found[place]]
 
 
 def _wholes(model: ir.Model, task: ir.Task) -> list[int]:

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from navfmu.errors import NavfmuError
+from navfmu.export.extent import current
 from navfmu.export.graph import Node
 from navfmu.export.graph import number as constant
 from navfmu.export.place import place
@@ -90,6 +91,7 @@ def expression(x: Any) -> Node:
 
 
 def _operation(op: str, *elements: Any, kind: str = "f") -> Scalar:
+    current().count()
     return Scalar(Node(op, *(expression(e) for e in elements)), kind)
 
 

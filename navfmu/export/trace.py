@@ -14,14 +14,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from threading import RLock
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from navfmu.export import graph
+from navfmu.export import arrays, graph
+from navfmu.export.extent import current
 from navfmu.export.graph import Node
 from navfmu.export.rules import (
     RULES,
@@ -119,15 +119,34 @@ def _apply(ufunc: np.ufunc, elements: tuple) -> Any:
     return fold(ufunc, *elements)
 
 
+def _places(rule: Callable, columns: list[list], shape: tuple[int, ...]) -> Traced:
+    """Apply a rule at each place of columns of elements; in one node where arrays are kept whole."""
+    if _whole(math.prod(shape)):
+        return _fill(shape, arrays.mapped(rule, columns, shape))
+    return _build(shape, [rule(*elements) for elements in zip(*columns, strict=True)])
+
+
+def _whole(size: int) -> bool:
+    least = current().whole
+    return least is not None and size >= least
+
+
+def _columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:
+    """Return the elements of arrays that are broadcast to one shape, and that shape."""
+    given = [_object(x) for x in inputs]
+    shape = np.broadcast_shapes(*[a.shape for a in given])
+    return [np.broadcast_to(a, shape).ravel().tolist() for a in given], shape
+
+
 def _elementwise(ufunc: np.ufunc, inputs: tuple) -> Traced:
-    arrays = [_object(x) for x in inputs]
-    shape = np.broadcast_shapes(*[a.shape for a in arrays])
-    columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+    columns, shape = _columns(inputs)
     if ufunc in (np.add, np.subtract, np.negative) and all(c and all(map(is_boolean, c)) for c in columns):
         if ufunc is not np.add:
             refuse("NumPy does not subtract truth values", "use ^ or np.logical_xor, or ~")
         ufunc = np.logical_or  # what NumPy does for bool + bool
-    return _build(shape, [_apply(ufunc, elements) for elements in zip(*columns, strict=True)])
+    if ufunc is np.power and not arrays.uniform(columns[1]):  # each exponent has a rule of its own
+        return _build(shape, [_apply(ufunc, elements) for elements in zip(*columns, strict=True)])
+    return _places(lambda *elements: _apply(ufunc, elements), columns, shape)
 
 
 def _fold_list(ufunc: np.ufunc, elements: list) -> Any:
@@ -165,6 +184,10 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     fast = not kept or (array.ndim - 1) in axes  # NumPy adds pairwise along the fast axis only
     initial = kwargs.get("initial", np._NoValue)
     given = initial is not np._NoValue and initial is not None
+    if kwargs.get("keepdims"):
+        shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
+    if _whole(rows.size) and rows.shape[1] > 1:
+        return _fill(tuple(shape), _fold_whole(ufunc, rows, fast, initial if given else None))
     results = []
     for row in rows.tolist():
         if ufunc in (np.add, np.multiply):
@@ -178,14 +201,32 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
             row = [_pairwise(row)]
         begins = given or not row or (ufunc is np.add and not is_whole(row[0]))  # so a sum of -0.0 alone is 0.0
         results.append(_fold_list(ufunc, [first, *row] if begins else row))
-    if kwargs.get("keepdims"):
-        shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
     return _build(tuple(shape), results)
+
+
+def _fold_whole(ufunc: np.ufunc, rows: np.ndarray, fast: bool, initial: Any) -> list:
+    column = rows.ravel().tolist()
+    if ufunc in (np.add, np.multiply):
+        column = _numbers(column)
+    elif ufunc in (np.logical_and, np.logical_or):
+        column = _places(truth, [column], (len(column),)).view(np.ndarray).tolist()
+    real = not all(map(is_whole, column))
+    first = None
+    if initial is not None:
+        first = float(np.array(initial).astype(_dtype(np.array(column, object))).item())
+    elif ufunc is np.add and real:
+        first = 0.0
+    pairwise = ufunc is np.add and fast
+    return arrays.folded(lambda a, b: _apply(ufunc, (a, b)), column, *rows.shape, first, pairwise)
 
 
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     array = _object(array)
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
+    if _whole(moved.size) and moved.shape[-1] > 1:
+        column, length = _numbers(moved.ravel().tolist()), moved.shape[-1]
+        rows = arrays.accumulated(lambda a, b: _apply(ufunc, (a, b)), column, len(column) // length, length)
+        return np.moveaxis(_fill(moved.shape, rows), -1, kwargs.get("axis", 0))
     rows = []
     for row in moved.reshape(-1, moved.shape[-1]).tolist():
         row = _numbers(row)
@@ -200,9 +241,59 @@ def _product(function: Callable, a: Any, b: Any) -> Any:
     a, b = _object(a), _object(b)
     if _all_boolean(a) and _all_boolean(b):
         refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
+    if current().whole is not None and a.ndim and b.ndim:
+        return _MATRICES[function](a, b)
+    return _multiply(function, a, b)
+
+
+def _multiply(function: Callable, a: np.ndarray, b: np.ndarray) -> Traced:
     products = _object(function(a, b))
     sums = _numbers(products.ravel().tolist())
     return _build(products.shape, [e if is_whole(e) else add(0.0, e) for e in sums])  # sums begin at 0.0
+
+
+def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
+    """Product of two matrices, in one node if it is large."""
+    (rows, inner), columns = a.shape, b.shape[1]
+    if inner != len(b) or not _whole(rows * inner * columns // (current().whole or 1)):
+        return _multiply(np.matmul, a, b)
+    elements = arrays.multiplied(_numbers(a.ravel().tolist()), _numbers(b.ravel().tolist()), rows, inner, columns)
+    return _fill((rows, columns), elements)
+
+
+def _matmul(a: np.ndarray, b: np.ndarray) -> Traced:
+    first, second = a[None] if a.ndim == 1 else a, b[:, None] if b.ndim == 1 else b
+    stack = np.broadcast_shapes(first.shape[:-2], second.shape[:-2])
+    pairs = [np.broadcast_to(x, stack + x.shape[-2:]).reshape(-1, *x.shape[-2:]) for x in (first, second)]
+    products = [_matrix_product(x, y) for x, y in zip(*pairs, strict=True)]
+    shape = stack + first.shape[-2 : -1 if a.ndim > 1 else -2] + second.shape[-1 if b.ndim > 1 else second.ndim :]
+    return _fill(shape, [e for product in products for e in product.ravel().tolist()])
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> Traced:
+    columns = np.moveaxis(b, -2, 0) if b.ndim > 1 else b[:, None]
+    shape = a.shape[:-1] + (b.shape[:-2] + b.shape[-1:] if b.ndim > 1 else ())
+    return _matrix_product(a.reshape(-1, a.shape[-1]), columns.reshape(len(columns), -1)).reshape(shape)
+
+
+def _inner(a: np.ndarray, b: np.ndarray) -> Traced:
+    product = _matrix_product(a.reshape(-1, a.shape[-1]), b.reshape(-1, b.shape[-1]).T)
+    return product.reshape(a.shape[:-1] + b.shape[:-1])
+
+
+_MATRICES: dict[Callable, Callable] = {np.matmul: _matmul, np.dot: _dot, np.inner: _inner}
+
+
+def _np_tensordot(a: Any, b: Any, axes: Any = 2) -> Any:
+    a, b = np.asarray(a), np.asarray(b)
+    if np.ndim(axes) == 0:
+        axes = range(a.ndim - axes, a.ndim), range(axes)
+    ours, theirs = ([int(i) % x.ndim for i in np.atleast_1d(list(axis))] for axis, x in zip(axes, (a, b), strict=True))
+    kept = [[i for i in range(x.ndim) if i not in gone] for x, gone in ((a, ours), (b, theirs))]
+    first, second = np.transpose(a, kept[0] + ours), np.transpose(b, theirs + kept[1])
+    shape = first.shape[: len(kept[0])] + second.shape[len(theirs) :]
+    inner = math.prod(first.shape[len(kept[0]) :])
+    return np.dot(first.reshape(-1, inner), second.reshape(inner, -1)).reshape(shape)
 
 
 def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
@@ -248,12 +339,10 @@ def _ufunc(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
 def _np_where(condition: Any, *branches: Any) -> Any:
     if len(branches) != 2:
         refuse("np.where with one argument depends on values", "give both branches, np.where(condition, a, b)")
-    arrays = [_object(x) for x in (condition, *branches)]
-    shape = np.broadcast_shapes(*[a.shape for a in arrays])
-    columns = [np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+    columns, shape = _columns((condition, *branches))
     both = _uniform([*columns[1], *columns[2]])
     columns[1:] = [both[: len(columns[1])], both[len(columns[1]) :]]
-    return _build(shape, [where(*elements) for elements in zip(*columns, strict=True)])
+    return _places(where, columns, shape)
 
 
 def _np_select(conditions: list, choices: list, default: Any = 0) -> Any:
@@ -341,7 +430,7 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.size: lambda a, axis=None: _object(a).size if axis is None else _object(a).shape[axis],
     np.dot: lambda a, b, out=None: _product(np.dot, a, b),
     np.inner: lambda a, b: _product(np.inner, a, b),
-    np.tensordot: lambda a, b, axes=2: _product(partial(np.tensordot, axes=axes), a, b),
+    np.tensordot: _np_tensordot,
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
 }
 
@@ -451,7 +540,7 @@ class Traced(np.ndarray):
         kind = np.dtype(dtype).kind
         elements = self.ravel().tolist()
         if kind == "b":
-            return _build(self.shape, [truth(e) for e in elements])
+            return _places(truth, [elements], self.shape)
         if np.dtype(dtype) not in (np.float64, np.int64):
             refuse(f"numbers of type {np.dtype(dtype)} are not traced", "use float, int or bool")
         if kind == "f":
@@ -501,7 +590,7 @@ def symbols(vector: str, kinds: str, first: int = 0) -> Traced:
 
 def whole_numbers(array: Any) -> Traced:
     """Return numbers that have no fractions as NumPy's integers."""
-    return _build(np.shape(array), [e if type(e) is float else whole(e) for e in _object(array).ravel().tolist()])
+    return _places(lambda e: e if type(e) is float else whole(e), [_object(array).ravel().tolist()], np.shape(array))
 
 
 def expressions(array: Any) -> list[Node]:

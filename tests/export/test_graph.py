@@ -4,8 +4,9 @@ import numpy as np
 
 from evidence.compiled import compiled
 from navfmu.export.codegen import generate
-from navfmu.export.graph import Node, c_function, element, number, settled
+from navfmu.export.graph import Node, element, number, settled
 from navfmu.export.lower import lower
+from navfmu.export.printer import c_function
 
 from .components import Lag
 
@@ -36,7 +37,7 @@ def test_what_stands_is_found_once_and_what_leads_to_it_is_not():
     assert found[product] == found[same]
     assert sorted(set(found.values())) == [0, 1, 2]
     assert settled(results, lambda node: False).keys() == {lone}
-    text = c_function("f", ["v"], results, {node: f"fixed[{place}]" for node, place in found.items()})
+    text = c_function("f", ["v"], results, {node: ("fixed", place) for node, place in found.items()})
     assert "sqrt" not in text
     assert text.count("=") == 6  # a product, a sum and a difference are left, and three results
 

@@ -1,0 +1,81 @@
+"""How far a trace goes: single numbers as long as they are few, else arrays as wholes.
+
+A function of a model is traced with every element of every array on its own, which makes the fastest code, until there
+are more operations than a compiler likes. Then it is traced again with arrays as nodes and the model's own functions as
+calls. Both do the same operations in the same order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from navfmu.errors import NavfmuError
+
+#: Operations that a function is traced with before its arrays are kept whole.
+MOST = 16_000
+#: Arrays with fewer elements never are.
+LEAST = 8
+#: Operations on single numbers, arrays whole, that are too many for a compiler.
+LIMIT = 60_000
+
+
+class TooLong(BaseException):
+    """More operations than the extent allows; no error, so no model catches it."""
+
+
+@dataclass
+class Extent:
+    """What a trace may do, and has done."""
+
+    most: float = math.inf
+    whole: int | None = None  # from so many elements on an array is kept whole
+    operations: int = 0
+    packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
+
+    def count(self) -> None:
+        """One more operation on single numbers."""
+        self.operations += 1
+        if self.operations > self.most:
+            raise TooLong
+
+
+_extents = [Extent()]
+
+
+def current() -> Extent:
+    """Return the extent of the trace that is running."""
+    return _extents[-1]
+
+
+@contextmanager
+def extent(of: Extent) -> Iterator[Extent]:
+    """Trace with an extent of its own."""
+    _extents.append(of)
+    try:
+        yield of
+    finally:
+        _extents.pop()
+
+
+def shortest(function: Callable[[], Any], what: str, most: int = MOST, least: int = LEAST) -> tuple[Any, Extent]:
+    """Call a function that traces: with single numbers, and if that gets long once more with arrays as wholes.
+
+    Returns what it returned, and the extent that it needed.
+    """
+    with extent(Extent(most)) as used:
+        try:
+            return function(), used
+        except TooLong:
+            pass
+    with extent(Extent(LIMIT, whole=least)) as used:
+        try:
+            return function(), used
+        except TooLong:
+            raise NavfmuError(
+                f"{what} has more than {LIMIT} operations on single numbers; write loops over elements as operations on "
+                "arrays, and what is repeated as a function of the module, which is compiled once"
+            ) from None

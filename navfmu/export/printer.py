@@ -1,0 +1,516 @@
+"""From the record to C: a function that evaluates it, and the functions that it calls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from navfmu.export.arrays import Call, Fold, Map, Operand, Pack, Product, Routine, Run
+from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, depends, in_order
+
+#: What stands somewhere already: a number, or the first one of an array, as a vector's name and a place.
+Known = Mapping[Node, tuple[str, int]]
+_NONE: Known = MappingProxyType({})
+_SHORT = 4  # so many statements are no loop
+
+
+def c_function(
+    function: str, vectors: Iterable[str], results: Sequence[Node], known: Known = _NONE, values: Container[str] = ()
+) -> str:
+    """Return a C function of the vectors and ``double *r`` that sets ``r[i]`` to ``results[i]``.
+
+    The nodes that are ``known`` are read and not calculated; vectors of one number that are among ``values`` are passed as
+    such.
+    """
+    arguments = [f"double {v}" if v in values else f"const double *restrict {v}" for v in vectors]
+    head = f"static void {function}({', '.join([*arguments, 'double *restrict r'])}) {{"
+    return "\n".join([head, *_Body(results, known, values).lines(), "}", ""])
+
+
+def c_helpers(results: Iterable[Node]) -> list[str]:
+    """Return the C functions that are called in calculating the results, each once and before those that call it."""
+    found: dict[Call, str] = {}
+
+    def visit(nodes: Iterable[Node]) -> None:
+        for node in in_order(nodes):
+            if isinstance(node, Array) and isinstance(node.how, Call) and node.how not in found:
+                visit(node.how.results)
+                names = [f"a{k}" for k in range(len(node.operands))]
+                values = {name for name, operand in zip(names, node.operands, strict=True) if operand.size == 1}
+                found[node.how] = c_function(node.how.name, names, node.how.results, values=values)
+
+    visit(results)
+    return list(found.values())
+
+
+def has_arrays(results: Iterable[Node]) -> bool:
+    """Return whether anything is kept whole, so that the code needs ``arrays.h``."""
+    return any(isinstance(node, Array) for node in in_order(results))
+
+
+def c_number(value: float) -> str:
+    """Return a number as C reads it back, to the last bit."""
+    if math.isnan(value):
+        return "NAN"
+    text = "INFINITY" if math.isinf(value) else repr(abs(value))
+    return f"(-{text})" if math.copysign(1.0, value) < 0 else text
+
+
+def _plus(text: str, place: int) -> str:
+    return f"{text} + {place}" if place else text
+
+
+def _operation(node: Node, texts: Mapping[Node, str], truths: Container[str]) -> str:
+    """Return the C expression of an operation. Truth values are ints, and doubles where one calculates with them; two of
+    them are combined without a jump."""
+    tells = (0,) if node.op == "where" else TRUTHS.get(node.op, ())
+    true = [texts[n] in truths for n in node.of]
+    operands = [
+        f"(double){texts[n]}" if truth and i not in tells else texts[n]
+        for i, (n, truth) in enumerate(zip(node.of, true, strict=True))
+    ]
+    if node.op in ("and", "or") and all(true):
+        return f"{operands[0]} {'&' if node.op == 'and' else '|'} {operands[1]}"
+    return OPERATIONS[node.op].format(*operands)
+
+
+class _Places:
+    """Where arrays lie: buffers, each used again when what was in it is not needed any more."""
+
+    def __init__(self) -> None:
+        self.sizes: list[int] = []
+        self.until: list[float] = []  # when what is in it was used last
+
+    def take(self, size: int, now: int, until: float) -> int:
+        """Return the number of a buffer for so many numbers."""
+        free = [k for k, end in enumerate(self.until) if end < now]
+        fitting = [k for k in free if self.sizes[k] >= size]
+        if fitting:
+            k = min(fitting, key=lambda k: self.sizes[k])
+        elif free:
+            k = max(free, key=lambda k: self.sizes[k])
+            self.sizes[k] = size
+        else:
+            k = len(self.sizes)
+            self.sizes.append(size)
+            self.until.append(0)
+        self.until[k] = until
+        return k
+
+
+class _Body:
+    """The statements of one function."""
+
+    def __init__(self, results: Sequence[Node], known: Known, values: Container[str]) -> None:
+        self.results, self.known, self.values = results, known, values
+        self.texts: dict[Node, str] = {}
+        self.names: dict[str, str] = {}  # C expression -> the name of its value
+        self.truths: set[str] = set()
+        self.statements: list[str] = []
+        self.constants: dict[tuple[str, bytes], tuple[str, str]] = {}  # kind and numbers -> name and definition
+        self.buffers = _Places()
+        self.in_loops = 0  # names that were given
+
+    def lines(self) -> list[str]:
+        """Return the lines of the function."""
+        order = in_order(self.results, self.known)
+        whole = [node for node in order if isinstance(node, Array) and node not in self.known]
+        if not whole:
+            order = _calls_first(order, self.known)
+        self.fused = _fused(order, whole)
+        last = self._last_uses(order)
+        for now, node in enumerate(order):
+            if isinstance(node, Array):
+                if node not in self.known and node not in self.fused:
+                    self._array(node, now, last.get(node, 0))
+            else:
+                self.texts[node] = self._number(node)
+        self._store()
+        buffers = [f"    double w{k}[{size}];" for k, size in enumerate(self.buffers.sizes)]
+        return [*(text for _, text in self.constants.values()), *buffers, *self.statements]
+
+    def _last_uses(self, order: list[Node]) -> dict[Node, float]:
+        last: dict[Node, float] = {}
+
+        def use(node: Node, now: float) -> None:
+            for used in depends(node):
+                if used.op == "element" or used in self.fused:
+                    use(used, now)
+                elif isinstance(used, Array):
+                    last[used] = now
+
+        for now, node in enumerate(order):
+            if node not in self.fused and node not in self.known:
+                use(node, now)
+        for node in self.results:
+            if node.op == "element":
+                use(node, math.inf)
+        return last
+
+    # --- single numbers ---
+
+    def _number(self, node: Node) -> str:
+        if node in self.known:
+            return "{}[{}]".format(*self.known[node])
+        if node.op == "number":
+            return c_number(node.of[0])
+        if node.op == "element":
+            source, place = node.of
+            if isinstance(source, Array):
+                vector, first = self._array_place(source)
+                return f"{vector}[{first + place}]"
+            return source if source in self.values else f"{source}[{place}]"
+        return self._named(node.op in TRUTHS, _operation(node, self.texts, self.truths), self.names, self.statements)
+
+    def _named(self, truth: bool, text: str, names: dict[str, str], statements: list[str], indent: str = "    ") -> str:
+        """Return the name of the value of an expression, which is calculated once."""
+        if text not in names:
+            name = f"{'is' if truth else 'a'}{len(names)}"
+            if names is not self.names:  # within a loop
+                self.in_loops += 1
+                name = f"t{self.in_loops}"
+            names[text] = name
+            if truth:
+                self.truths.add(name)
+            statements.append(f"{indent}const {'int' if truth else 'double'} {name} = {text};")
+        return names[text]
+
+    def _store(self) -> None:
+        """Set the results; those that lie side by side in a loop."""
+        i = 0
+        while i < len(self.results):
+            node, n = self.results[i], 1
+            if node.op == "element" and isinstance(node.of[0], Array) and node not in self.known:
+                array, first = node.of
+                while i + n < len(self.results):
+                    other = self.results[i + n]
+                    if other.op != "element" or other.of[0] is not array or other.of[1] != first + n:
+                        break
+                    n += 1
+            if n < _SHORT:
+                self.statements.append(f"    r[{i}] = {self.texts[node]};")
+                i += 1
+                continue
+            vector, place = self._array_place(array)
+            self.statements.append(
+                f"    for (int i = 0; i < {n}; i++) r[{_plus('i', i)}] = {vector}[{_plus('i', place + first)}];"
+            )
+            i += n
+
+    # --- arrays ---
+
+    def _array_place(self, array: Array) -> tuple[str, int]:
+        return self.known[array] if array in self.known else (self.texts[array], 0)
+
+    def _array(self, array: Array, now: int, until: float) -> None:
+        name = self.texts[array] = f"b{now}"
+        buffer = self.buffers.take(array.size, now, max(until, now))
+        self.statements.append(f"    double *const {name} = w{buffer};")
+        {
+            Pack: self._pack,
+            Map: self._map,
+            Fold: self._fold,
+            Run: self._run,
+            Product: self._product,
+            Call: self._call,
+            Routine: self._routine,
+        }[type(array.how)](array, name)
+
+    def _constant(self, kind: str, numbers: np.ndarray) -> str:
+        key = kind, numbers.tobytes()
+        if key not in self.constants:
+            name = f"{'c' if kind == 'double' else 'n'}{len(self.constants)}"
+            text = ", ".join(c_number(x) if kind == "double" else str(x) for x in numbers.tolist())
+            self.constants[key] = name, f"    static const {kind} {name}[] = {{{text}}};"
+        return self.constants[key][0]
+
+    def _vector(self, operand: Operand) -> tuple[str, int]:
+        """Return the name of the vector that an operand reads, and by how much its places are shifted there."""
+        if isinstance(operand.source, str):
+            return operand.source, 0
+        if isinstance(operand.source, np.ndarray):
+            return self._constant("double", operand.source), 0
+        assert isinstance(operand.source, Array)
+        return self._array_place(operand.source)
+
+    def _pointer(self, operand: Operand) -> str:
+        vector, shift = self._vector(operand)
+        assert operand.places is not None
+        return _plus(vector, shift + int(operand.places[0]))
+
+    def _value(self, operand: Operand) -> str:
+        """Return the one number that an operand is at all its places."""
+        if operand.places is None:
+            return self.texts[operand.source]
+        if isinstance(operand.source, str) and operand.source in self.values:
+            return operand.source
+        if isinstance(operand.source, np.ndarray):
+            return c_number(float(operand.source[operand.places[0]]))
+        vector, shift = self._vector(operand)
+        return f"{vector}[{shift + int(operand.places[0])}]"
+
+    def _same(self, operand: Operand) -> bool:
+        return operand.places is None or bool(np.all(operand.places == operand.places[0]))
+
+    def _map(self, array: Array, name: str) -> None:
+        leaves = [o for o in self._leaves(array) if not self._same(o)]
+        grid = _Grid(array.how.shape, leaves)
+        texts: dict[Operand, str] = {}
+        for k, operand in enumerate(leaves):
+            vector, shift = self._vector(operand)
+            if grid.irregular[k]:
+                table = self._constant("int", operand.places)
+                index = f"{table}[{grid.index(k)}]"
+                texts[operand] = f"{vector}[{_plus(index, shift)}]"
+            else:
+                texts[operand] = f"{vector}[{grid.index(k, shift + int(operand.places[0]))}]"
+        statements: list[str] = []
+        indent = "    " * (1 + len(grid.lengths))
+        value = self._formula(array, texts, {}, statements, indent)
+        self.statements += grid.open()
+        if len(statements) or not grid.lengths:
+            if grid.lengths:
+                self.statements[-1] += " {"
+            self.statements += [*statements, f"{indent}{name}[{grid.place}] = {value};"]
+            if grid.lengths:
+                self.statements.append("    " * len(grid.lengths) + "}")
+        else:
+            self.statements.append(f"{indent}{name}[{grid.place}] = {value};")
+
+    def _within(self, operand: Operand) -> bool:
+        return isinstance(operand.source, Array) and operand.source in self.fused
+
+    def _leaves(self, array: Array) -> list[Operand]:
+        """Return what a map reads, and what the maps read that are calculated within it."""
+        found: list[Operand] = []
+        for operand in array.operands:
+            found += self._leaves(operand.source) if self._within(operand) else [operand]
+        return found
+
+    def _formula(
+        self, array: Array, texts: dict[Operand, str], names: dict[str, str], statements: list[str], indent: str
+    ) -> str:
+        """Write what a map calculates at one place, and return the text of its last operation."""
+        given = []
+        for operand in array.operands:
+            if self._within(operand):
+                text = self._formula(operand.source, texts, names, statements, indent)
+                truth = operand.source.how.formula.op in TRUTHS
+                given.append(self._named(truth, text, names, statements, indent))
+            else:
+                given.append(texts[operand] if operand in texts else self._value(operand))
+        return self._formula_text(array.how.formula, given, names, statements, indent)
+
+    def _formula_text(
+        self, formula: Node, given: Sequence[str], names: dict[str, str], statements: list[str], indent: str
+    ) -> str:
+        texts: dict[Node, str] = {}
+        text = ""
+        for node in in_order([formula]):
+            if node.op == "number":
+                text = c_number(node.of[0])
+            elif node.op == "element":
+                text = given[node.of[1]]
+            else:
+                text = _operation(node, texts, self.truths)
+                if node is not formula:
+                    text = self._named(node.op in TRUTHS, text, names, statements, indent)
+            texts[node] = text
+        return text
+
+    def _fold(self, array: Array, name: str) -> None:
+        how: Fold = array.how
+        (operand,) = array.operands
+        vector, shift = self._vector(operand)
+        across, along = operand.strides((how.rows, how.length))
+        start = shift + int(operand.places[0])
+        row = _sum([("i", across)], start)
+        if how.pairwise:
+            begin = "" if how.first is None else f"{c_number(how.first)} + "
+            self.statements += [
+                f"    for (int i = 0; i < {how.rows}; i++)",
+                f"        {name}[i] = {begin}sum({vector} + {row}, {how.length}, {along});",
+            ]
+            return
+        statements: list[str] = []
+        place = _sum([("i", across), ("j", along)], start)
+        inner = self._formula_text(how.formula, ["x", f"{vector}[{place}]"], {}, statements, "            ")
+        self.statements += [
+            f"    for (int i = 0; i < {how.rows}; i++) {{",
+            f"        double x = {c_number(how.first) if how.first is not None else f'{vector}[{row}]'};",
+            f"        for (int j = {int(how.first is None)}; j < {how.length}; j++) {{",
+            *statements,
+            f"            x = {inner};",
+            "        }",
+            f"        {name}[i] = x;",
+            "    }",
+        ]
+
+    def _run(self, array: Array, name: str) -> None:
+        how: Run = array.how
+        (operand,) = array.operands
+        vector, shift = self._vector(operand)
+        across, along = operand.strides((how.rows, how.length))
+        start = shift + int(operand.places[0])
+        statements: list[str] = []
+        place = _sum([("i", across), ("j", along)], start)
+        inner = self._formula_text(how.formula, ["x", f"{vector}[{place}]"], {}, statements, "            ")
+        self.statements += [
+            f"    for (int i = 0; i < {how.rows}; i++) {{",
+            f"        double x = {name}[{how.length} * i] = {vector}[{_sum([('i', across)], start)}];",
+            f"        for (int j = 1; j < {how.length}; j++) {{",
+            *statements,
+            f"            {name}[{how.length} * i + j] = x = {inner};",
+            "        }",
+            "    }",
+        ]
+
+    def _product(self, array: Array, name: str) -> None:
+        how: Product = array.how
+        texts = []
+        for operand, shape in zip(
+            array.operands, ((how.rows, how.inner), (how.inner, how.columns)), strict=True
+        ):
+            down, right = operand.strides(shape)
+            texts.append(f"{self._pointer(operand)}, {down}, {right}")
+        sizes = f"{how.rows}, {how.inner}, {how.columns}"
+        self.statements.append(f"    product({sizes}, {', '.join(texts)}, {name});")
+
+    def _call(self, array: Array, name: str) -> None:
+        given = [self._value(o) if o.size == 1 else self._pointer(o) for o in array.operands]
+        self.statements.append(f"    {array.how.name}({', '.join([*given, name])});")
+
+    def _routine(self, array: Array, name: str) -> None:
+        how: Routine = array.how
+        given = [
+            self._value(o) if k in how.values else self._pointer(o) for k, o in enumerate(array.operands)
+        ]
+        arguments = [*how.before, *map(str, how.numbers), *given, name]
+        self.statements.append(f"    {how.name}({', '.join(arguments)});")
+
+    def _pack(self, array: Array, name: str) -> None:
+        first = 0
+        for piece in array.operands:
+            self._copy(piece, name, first)
+            first += piece.size
+
+    def _copy(self, piece: Operand, name: str, first: int) -> None:
+        """Copy what an operand reads to ``name[first]`` and behind."""
+        if self._same(piece):
+            value = self._value(piece)
+            if piece.size < _SHORT:
+                self.statements += [f"    {name}[{first + i}] = {value};" for i in range(piece.size)]
+            else:
+                self._loop(piece.size, name, first, lambda i: value)
+            return
+        vector, shift = self._vector(piece)
+        places = piece.places + shift
+        if piece.size < _SHORT:
+            self.statements += [f"    {name}[{first + i}] = {vector}[{p}];" for i, p in enumerate(places.tolist())]
+            return
+        steps = np.diff(places)
+        length = int(np.argmax(steps != steps[0])) + 1 if np.any(steps != steps[0]) else piece.size
+        if length == piece.size:
+            text = _sum([("i", int(steps[0]))], int(places[0]))
+            self._loop(piece.size, name, first, lambda i: f"{vector}[{text}]")
+        elif piece.size % length == 0 and length > 1 and piece.strides((piece.size // length, length)):
+            across, along = piece.strides((piece.size // length, length))
+            text = _sum([("i", across), ("j", along)], int(places[0]))
+            self.statements += [
+                f"    for (int i = 0; i < {piece.size // length}; i++)",
+                f"        for (int j = 0; j < {length}; j++)",
+                f"            {name}[{_sum([('i', length), ('j', 1)], first)}] = {vector}[{text}];",
+            ]
+        else:
+            table = self._constant("int", places)
+            self._loop(piece.size, name, first, lambda i: f"{vector}[{table}[i]]")
+
+    def _loop(self, n: int, name: str, first: int, text: Callable[[str], str]) -> None:
+        self.statements.append(f"    for (int i = 0; i < {n}; i++) {name}[{_plus('i', first)}] = {text('i')};")
+
+
+def _sum(terms: Iterable[tuple[str, int]], first: int) -> str:
+    """Return the text of ``first`` plus multiples of variables."""
+    parts = [variable if step == 1 else f"{step} * {variable}" for variable, step in terms if step]
+    text = " + ".join([*parts, *([str(first)] if first or not parts else [])])
+    return text
+
+
+class _Grid:
+    """Loops over all places of a shape: axes that all operands go through as if they were one become one."""
+
+    def __init__(self, shape: Sequence[int], operands: Sequence[Operand]) -> None:
+        strides = [operand.strides(shape) for operand in operands]
+        flat = [math.prod(shape[axis + 1 :]) for axis in range(len(shape))]
+        self.irregular = [steps is None for steps in strides]
+        steps = [flat, *(flat if s is None else s for s in strides)]
+        self.lengths: list[int] = []
+        self.steps: list[list[int]] = [[] for _ in steps]
+        for axis, n in enumerate(shape):
+            if n == 1:
+                continue
+            if self.lengths and all(mine[-1] == of[axis] * n for mine, of in zip(self.steps, steps, strict=True)):
+                self.lengths[-1] *= n
+                for mine, of in zip(self.steps, steps, strict=True):
+                    mine[-1] = of[axis]
+            else:
+                self.lengths.append(n)
+                for mine, of in zip(self.steps, steps, strict=True):
+                    mine.append(of[axis])
+        self.variables = "ijklmnopq"[: len(self.lengths)]
+        self.place = _sum(zip(self.variables, self.steps[0], strict=True), 0)
+
+    def index(self, k: int, first: int = 0) -> str:
+        """Return the place of operand k in its source."""
+        return _sum(zip(self.variables, self.steps[k + 1], strict=True), first)
+
+    def open(self) -> list[str]:
+        """Return the heads of the loops."""
+        return [
+            f"{'    ' * (1 + k)}for (int {i} = 0; {i} < {n}; {i}++)"
+            for k, (i, n) in enumerate(zip(self.variables, self.lengths, strict=True))
+        ]
+
+
+def _fused(order: Sequence[Node], whole: Sequence[Array]) -> set:
+    """Return the maps that are calculated within the one map that reads them, place by place, and are stored nowhere."""
+    users: dict[Node, list[Node]] = {}
+    for node in order:
+        for used in depends(node):
+            if isinstance(used, Array):
+                users.setdefault(used, []).append(node)
+    found = set()
+    for array in whole:
+        if not isinstance(array.how, Map) or len(users.get(array, ())) != 1:
+            continue
+        (user,) = users[array]
+        if not isinstance(user, Array) or not isinstance(user.how, Map) or user.size != array.size:
+            continue
+        reading = [o for o in user.operands if o.source is array]
+        if all(o.contiguous and o.size == array.size for o in reading):
+            found.add(array)
+    return found
+
+
+def _calls_first(nodes: list[Node], known: Container[Node]) -> list[Node]:
+    """Return nodes in another valid order: the functions of the C library as early as they can be called, and before
+    each only what it needs. A call destroys all registers: what was calculated before it and is used after it goes to
+    memory and back."""
+
+    def operands(node: Node) -> tuple:
+        return node.of if node.op in OPERATIONS and node not in known else ()
+
+    calls = {node for node in nodes if node.op in CALLS and node not in known}
+    depth: dict[Node, int] = {}  # how many calls one after the other lead to it
+    for node in nodes:
+        depth[node] = max((depth[n] for n in operands(node)), default=0) + (node in calls)
+    latest = max(depth.values(), default=0) + 1
+    first: dict[Node, int] = {}  # the depth of the first call that needs it
+    for node in reversed(nodes):
+        needed = first[node] = depth[node] if node in calls else first.get(node, latest)
+        for n in operands(node):
+            first[n] = min(first.get(n, latest), needed)
+    return sorted(nodes, key=lambda node: first[node])
