@@ -35,6 +35,7 @@ class Extent:
     whole: int | None = None  # from so many elements on an array is kept whole
     operations: int = 0
     packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
+    functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
 
     def count(self) -> None:
         """One more operation on single numbers."""
@@ -61,17 +62,20 @@ def extent(of: Extent) -> Iterator[Extent]:
         _extents.pop()
 
 
-def shortest(function: Callable[[], Any], what: str, most: int = MOST, least: int = LEAST) -> tuple[Any, Extent]:
+def shortest(
+    function: Callable[[], Any], what: str, functions: dict, most: int = MOST, least: int = LEAST
+) -> tuple[Any, Extent]:
     """Call a function that traces: with single numbers, and if that gets long once more with arrays as wholes.
 
-    Returns what it returned, and the extent that it needed.
+    ``functions`` are those that were recorded as calls so far, for all that becomes one model. Returns what it returned,
+    and the extent that it needed.
     """
     with extent(Extent(most)) as used:
         try:
             return function(), used
         except TooLong:
             pass
-    with extent(Extent(LIMIT, whole=least)) as used:
+    with extent(Extent(LIMIT, whole=least, functions=functions)) as used:
         try:
             return function(), used
         except TooLong:

@@ -13,6 +13,7 @@ import numpy as np
 from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
+from navfmu.export.extent import shortest
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
@@ -95,7 +96,12 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
         raise NavfmuError(f"{where}: component {layout.component.__name__}, {what}: {told}; {remedy}") from error
 
 
-def _task(layout: Layout, task: TaskDeclaration) -> ir.Task:
+def _task(layout: Layout, task: TaskDeclaration, functions: dict) -> ir.Task:
+    what = f"{task.place}: component {layout.component.__name__}, task '{task.name}'"
+    return shortest(lambda: _traced(layout, task), what, functions)[0]
+
+
+def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
     index = {name: field.index for name, field in layout.fields.items()}
     on_new = task.kind == "on_new"
     clock = layout.clock(task)
@@ -172,7 +178,8 @@ def lower(component: type[Component]) -> ir.Model:
     layout = component.layout
     modules = [component.__module__, *fingerprint.sources(component.__module__)]
     with trace.tracing(sys.modules[name] for name in dict.fromkeys(modules) if name in sys.modules):
-        tasks = tuple(_task(layout, task) for task in layout.tasks)
+        functions: dict = {}
+        tasks = tuple(_task(layout, task, functions) for task in layout.tasks)
         checks = tuple(_checks(layout))
     tables = tuple(
         ir.Table(

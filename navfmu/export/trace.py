@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import arrays, graph
+from navfmu.export import arrays, calls, graph
 from navfmu.export.extent import current
 from navfmu.export.graph import Node
 from navfmu.export.rules import (
@@ -247,7 +247,7 @@ def _product(function: Callable, a: Any, b: Any) -> Any:
 
 
 def _multiply(function: Callable, a: np.ndarray, b: np.ndarray) -> Traced:
-    products = _object(function(a, b))
+    products = _object(function(a.view(np.ndarray), b.view(np.ndarray)))
     sums = _numbers(products.ravel().tolist())
     return _build(products.shape, [e if is_whole(e) else add(0.0, e) for e in sums])  # sums begin at 0.0
 
@@ -432,15 +432,17 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.inner: lambda a, b: _product(np.inner, a, b),
     np.tensordot: _np_tensordot,
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
+    np.outer: lambda a, b, out=None: np.multiply.outer(np.ravel(a), np.ravel(b)),
+    np.linalg.outer: lambda a, b: np.multiply.outer(np.ravel(a), np.ravel(b)),
 }
 
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
 _STRUCTURAL = """
-concatenate stack vstack hstack dstack column_stack block cross outer einsum kron diag diagonal
+concatenate stack vstack hstack dstack column_stack block cross einsum kron diag diagonal
 diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
 hsplit vsplit delete diff sum prod cumsum cumprod max min amax amin any all round around polyval
-linalg.multi_dot linalg.matrix_power linalg.cross linalg.outer linalg.trace linalg.diagonal linalg.matrix_transpose
+linalg.multi_dot linalg.matrix_power linalg.cross linalg.trace linalg.diagonal linalg.matrix_transpose
 linalg.matmul linalg.tensordot matrix_transpose
 """.split()
 STRUCTURAL: set[Callable] = set()
@@ -608,8 +610,22 @@ _REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
 @contextmanager
 def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
     """While tracing, ``np.array`` and its kin return traced arrays, in ``modules`` also by names of their own."""
-    with _GLOBAL, _traced_arrays(modules):
+    modules = list(modules)
+    with _GLOBAL, _traced_arrays(modules), _recorded_functions(modules):
         yield
+
+
+@contextmanager
+def _recorded_functions(modules: Iterable[ModuleType]) -> Iterator[None]:
+    found = list(calls.functions(modules))
+    wrapped = {function: calls.recorded(function) for _, _, function in found}
+    try:
+        for module, name, function in found:
+            setattr(module, name, wrapped[function])
+        yield
+    finally:
+        for module, name, function in found:
+            setattr(module, name, function)
 
 
 @contextmanager
