@@ -107,7 +107,7 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """A function of the model. Its results are nodes over ``element("a<k>", i)``, the numbers of its k-th operand."""
+    """A function of the model. Its results are nodes over ``element("p<k>", i)``, the numbers of its k-th operand."""
 
     name: str
     results: tuple[Node, ...]

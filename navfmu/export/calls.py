@@ -47,7 +47,9 @@ class _Recorded:
 
     how: arrays.Call
     tree: Any
-    numbers: tuple[int | float | tuple[int, int], ...]  # of each: its place in the call's, an operand and place, or itself
+    numbers: tuple[
+        int | float | tuple[int, int], ...
+    ]  # of each: its place in the call's, an operand and place, or itself
 
 
 def recorded(function: FunctionType) -> Callable:
@@ -110,7 +112,7 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
         serial = iter(range(1_000_000))
 
         def symbols(given: _Given, _: int) -> Any:
-            vector = trace.symbols(f"a{next(serial)}", given.kind * math.prod(given.shape))
+            vector = trace.symbols(f"p{next(serial)}", given.kind * math.prod(given.shape))
             if given.lone:
                 return vector.view(np.ndarray)[0]
             vector = vector.reshape(given.shape)

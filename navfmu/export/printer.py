@@ -38,7 +38,7 @@ def c_helpers(results: Iterable[Node]) -> list[str]:
         for node in in_order(nodes):
             if isinstance(node, Array) and isinstance(node.how, Call) and node.how not in found:
                 visit(node.how.results)
-                names = [f"a{k}" for k in range(len(node.operands))]
+                names = [f"p{k}" for k in range(len(node.operands))]
                 values = {name for name, operand in zip(names, node.operands, strict=True) if operand.size == 1}
                 found[node.how] = c_function(node.how.name, names, node.how.results, values=values)
 
@@ -371,9 +371,7 @@ class _Body:
     def _product(self, array: Array, name: str) -> None:
         how: Product = array.how
         texts = []
-        for operand, shape in zip(
-            array.operands, ((how.rows, how.inner), (how.inner, how.columns)), strict=True
-        ):
+        for operand, shape in zip(array.operands, ((how.rows, how.inner), (how.inner, how.columns)), strict=True):
             down, right = operand.strides(shape)
             texts.append(f"{self._pointer(operand)}, {down}, {right}")
         sizes = f"{how.rows}, {how.inner}, {how.columns}"
@@ -385,9 +383,7 @@ class _Body:
 
     def _routine(self, array: Array, name: str) -> None:
         how: Routine = array.how
-        given = [
-            self._value(o) if k in how.values else self._pointer(o) for k, o in enumerate(array.operands)
-        ]
+        given = [self._value(o) if k in how.values else self._pointer(o) for k, o in enumerate(array.operands)]
         arguments = [*how.before, *map(str, how.numbers), *given, name]
         self.statements.append(f"    {how.name}({', '.join(arguments)});")
 

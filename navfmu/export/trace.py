@@ -595,6 +595,28 @@ def whole_numbers(array: Any) -> Traced:
     return _places(lambda e: e if type(e) is float else whole(e), [_object(array).ravel().tolist()], np.shape(array))
 
 
+def routine(
+    name: str,
+    operands: Iterable[Any],
+    shape: tuple[int, ...],
+    kind: str = "f",
+    numbers: tuple[int, ...] = (),
+    before: tuple[str, ...] = (),
+) -> Traced:
+    """Return an array of this shape that a C function of the runtime calculates: ``name(*before, *numbers, *operands, r)``.
+
+    An operand is ``const double *`` with its elements in C order, or ``double`` if it has no axes; ``numbers`` are ints,
+    and ``before`` are texts, names of what the function of a task is given. ``r`` is the result. Whether it is called, and
+    how often, must make no difference: it only calculates.
+    """
+    given = [_object(x) for x in operands]
+    columns = [_numbers(x.ravel().tolist()) for x in given]
+    read = [arrays.block(c) if x.ndim else arrays.operand(c) for x, c in zip(given, columns, strict=True)]
+    values = frozenset(k for k, x in enumerate(given) if not x.ndim)
+    how = arrays.Routine(name, tuple(numbers), tuple(before), values)
+    return _fill(shape, arrays.elements(graph.Array(how, math.prod(shape), read), kind))
+
+
 def expressions(array: Any) -> list[Node]:
     """Return the nodes of the elements of an array, in C order."""
     return [expression(e) for e in _object(array).ravel().tolist()]
