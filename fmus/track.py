@@ -25,7 +25,7 @@ _EXAMPLE = np.array([[t, 0.6526 + 5e-6 * t, -2.1301 + 6e-6 * t, 900.0, 5e-6, 6e-
 class Track(Component):
     """True motion of an aircraft along a recorded track; the same interface as aircraft.
 
-    The table resources/track.csv holds time, position, velocity and acceleration in geodetic coordinates; between two
+    The table resources/track.npy holds time, position, velocity and acceleration in geodetic coordinates; between two
     rows latitude, longitude and altitude are polynomials of degree five, so the flight and its first two derivatives
     are continuous. With M, N the radii of curvature,
 

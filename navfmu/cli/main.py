@@ -22,6 +22,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "sabotage": ("navfmu.cli.sabotage", "Build faults into a system, for masters that know no faults."),
     "schema": ("navfmu.cli.schema", "Print the JSON schema of a campaign, fault or report file, for editors."),
     "sweep": ("navfmu.cli.sweep", "Run a system at several step sizes, and compare."),
+    "table": ("navfmu.cli.table", "Show and replace the tables that an FMU carries."),
     "track": ("navfmu.cli.track", "Make an FMU from a recorded track."),
 }
 

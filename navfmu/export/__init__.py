@@ -3,6 +3,7 @@
 from navfmu.export.bundle import Bundle
 from navfmu.export.component import Component
 from navfmu.export.example import Example
+from navfmu.export.grid import Grid
 from navfmu.export.requirement import require
 from navfmu.export.table import Table
 from navfmu.export.task import every, on_new, start
@@ -12,6 +13,7 @@ __all__ = [
     "Bundle",
     "Component",
     "Example",
+    "Grid",
     "Input",
     "Output",
     "Parameter",

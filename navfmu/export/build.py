@@ -217,7 +217,7 @@ def pack(
         files["model.png"] = shown.icon
     files |= {f"documentation/licenses/{name}": text for name, text in _licenses().items()}
     files |= {f"sources/{name}": text for name, text in sources.files.items()}
-    files |= {f"resources/{table.name}.csv": codegen.table_text(table) for table in model.tables}
+    files |= {f"resources/{table.file}": table.content for table in model.tables}
     platforms = tuple(platforms)
     for platform in platforms:
         files[f"binaries/{archive.FOLDERS[platform]}/{libraries[platform].name}"] = libraries[platform].read_bytes()

@@ -12,6 +12,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
 from navfmu.export.graph import Array, Node, element, settled
 from navfmu.export.printer import c_function, c_helpers, c_number, has_arrays
+from navfmu.files import numbers
 
 #: The vectors that a task's function reads, in order.
 VECTORS = ("v", "noise", "time", "rows", "fixed")
@@ -35,17 +36,6 @@ def continuous_inputs(model: ir.Model) -> list[int]:
 def is_continuous_input(variable: ir.Variable) -> bool:
     """Return whether a host may set a derivative of this variable."""
     return variable.causality == "input" and variable.type == "Real" and variable.variability == "continuous"
-
-
-def table_header(table: ir.Table) -> str:
-    """Return the first line of a table's file, ``time (s),latitude (rad)``."""
-    return ",".join(f"{name} ({unit})" for name, unit in zip(table.columns, table.units, strict=True))
-
-
-def table_text(table: ir.Table) -> str:
-    """Return a table's file; numbers have the shortest form that reads back as the same bits."""
-    rows = (",".join(repr(float(value)) for value in row) for row in table.rows)
-    return "\n".join([table_header(table), *rows]) + "\n"
 
 
 def _check(model: ir.Model) -> None:
@@ -113,11 +103,10 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         yield from _array("int", f"values_{i}", values)
         messages.append(f"{{check_{i}, {_text(message)}, values_{i}}}")
     yield from _array("Check", "model_checks", messages)
-    yield from _array(
-        "TableInfo",
-        "model_tables",
-        (f"{{{_text(t.name + '.csv')}, {_text(table_header(t))}, {len(t.columns)}}}" for t in model.tables),
-    )
+    for i, table in enumerate(model.tables):
+        yield from _array("char *const", f"labels_{i}", map(_text, table.labels))
+        yield from _array("int", f"keys_{i}", table.keys)
+    yield from _array("TableInfo", "model_tables", (_table(table, i) for i, table in enumerate(model.tables)))
 
     if model.through:
         yield f"void {model.name}_through(double *v, double *memory, int64_t k);"
@@ -205,6 +194,12 @@ def _task(model: ir.Model, i: int, ticking: list[ir.Clock]) -> str:
     )
 
 
+def _table(table: ir.Table, i: int) -> str:
+    header = _bytes(numbers.header(table.labels, table.is_grid))
+    columns = f"{len(table.columns)}, labels_{i}, {len(table.keys)}, keys_{i}"
+    return f"{{{_text(table.file)}, {header}, {int(table.is_grid)}, {columns}}}"
+
+
 def _access(variable: ir.Variable) -> str:
     """Return the type and the states in which the variable may be set."""
     states = _settable(variable)
@@ -247,4 +242,8 @@ def _text(text: str) -> str:
     """Return a C string of the text in UTF-8."""
     if text.isascii():
         return json.dumps(text).replace("\\u007f", "\\177").replace("?", "\\?")  # ??/ is a \\ in C99
-    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'
+    return _bytes(text.encode())
+
+
+def _bytes(data: bytes) -> str:
+    return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\?' else f"\\{b:03o}" for b in data) + '"'

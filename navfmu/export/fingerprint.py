@@ -36,7 +36,7 @@ def fingerprint(component: type[Component], *parts: str) -> str | None:
         return None
     digest = hashlib.sha256()
     layout = component.layout  # its numbers may come from elsewhere than from the sources
-    tables = [(table.name, table.columns, table.rows.tobytes()) for table in layout.tables]
+    tables = [(table.name, table.digest()) for table in layout.tables]
     declared = repr((layout.variables, tables, getattr(component, "example", None)))
     for part in (component.__qualname__, *parts, _exporter(), declared):
         digest.update(part.encode() + b"\0")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from navfmu.errors import NavfmuError
 from navfmu.export import ir
 from navfmu.export.layout import Layout
+from navfmu.export.numbers import Numbers
 from navfmu.export.place import place
-from navfmu.export.table import Table
 
 
 class Frame:
@@ -30,8 +31,8 @@ class Frame:
         """Return an assigned value, of the right shape, as a read-only array of the variable's kind."""
         raise NotImplementedError
 
-    def rows(self, table: Table) -> tuple[Any, Any]:
-        """Return the two rows of a table around the time of the task."""
+    def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
+        """Search a table or a grid by values of a key, or of both axes; return an array (..., width)."""
         raise NotImplementedError
 
     def fail(self, what: str) -> NoReturn:

@@ -23,7 +23,7 @@ from navfmu.export.frame import Frame
 from navfmu.export.layout import Layout
 from navfmu.export.life import State
 from navfmu.export.noise import Normals
-from navfmu.export.table import Table
+from navfmu.export.numbers import Numbers
 from navfmu.export.task import TaskDeclaration
 
 _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
@@ -92,9 +92,8 @@ class FloatFrame(Frame):
         array.setflags(write=False)
         return array if variable.shape else array[()]
 
-    def rows(self, table: Table) -> tuple[Any, Any]:
-        row = table.find(self.time)
-        return table.rows[row], table.rows[row + 1]
+    def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
+        return table.look_up(key, *values)
 
     def commit(self) -> None:
         """Store what the task assigned."""
@@ -170,7 +169,7 @@ def _number(component: type[Component]) -> str:
     tasks = [(task.name, task.kind, task.argument, task.offset) for task in layout.tasks]
     digest = hashlib.sha256(repr((variables(component), tasks)).encode())
     for table in layout.tables:
-        digest.update(table.rows.tobytes())
+        digest.update(table.digest().encode())
     return digest.hexdigest()[:16]
 
 

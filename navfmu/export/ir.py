@@ -17,7 +17,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from navfmu.export.graph import Node
+from navfmu.files.numbers import label, packed
 from navfmu.fmi.units import Unit
 
 
@@ -118,14 +121,43 @@ class Element:
         return None if self.variable.max is None else self.variable.max[self.number]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table:
-    """Rows searched by time: before each task ``row`` and ``next_row`` around the task's time are looked up."""
+    """Columns of numbers in the file resources/<name>.npy, searched by those that increase: rows, or two axes and
+    surfaces over them.
+    """
 
-    name: str  # file resources/<name>.csv, first column is the key
+    name: str
     columns: tuple[str, ...]
     units: tuple[str, ...]
-    rows: tuple[tuple[float, ...], ...]
+    numbers: tuple[np.ndarray, ...]  # of each column: (rows,), or (n,), (m,), (n, m), ...
+    keys: tuple[int, ...]  # the columns that increase
+
+    @property
+    def is_grid(self) -> bool:
+        """Whether it is two axes and surfaces over them."""
+        return self.numbers[-1].ndim == 2
+
+    @property
+    def size(self) -> str:
+        """How many numbers it has: "3 rows", "40 x 30"."""
+        first, second = (len(numbers) for numbers in self.numbers[:2]) if self.is_grid else (len(self.numbers[0]), 0)
+        return f"{first} x {second}" if second else f"{first} rows"
+
+    @property
+    def labels(self) -> list[str]:
+        """The names of the columns with their units, ``time (s)``."""
+        return [label(name, unit) for name, unit in zip(self.columns, self.units, strict=True)]
+
+    @property
+    def file(self) -> str:
+        """The name of its file."""
+        return f"{self.name}.npy"
+
+    @property
+    def content(self) -> bytes:
+        """What is in its file."""
+        return packed(dict(zip(self.labels, self.numbers, strict=True)))
 
 
 @dataclass(frozen=True)

@@ -12,20 +12,20 @@ from typing import Any, NoReturn
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir
 from navfmu.export.bundle import Bundle
+from navfmu.export.numbers import Numbers
 from navfmu.export.place import check_text
 from navfmu.export.requirement import Requirement
-from navfmu.export.table import Table
 from navfmu.export.task import MARKS, TaskDeclaration
 from navfmu.export.variable import TYPES, Input, Output, Parameter, Variable
 
 RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout"}
 
 
-def _held(member: Any) -> Variable | Bundle | Table | None:
+def _held(member: Any) -> Variable | Bundle | Numbers | None:
     """Return a declaration that a list, tuple, set or dictionary holds, at any depth."""
     items = member.values() if isinstance(member, dict) else member if isinstance(member, list | tuple | set) else ()
     for item in items:
-        found = item if isinstance(item, Variable | Bundle | Table) else _held(item)
+        found = item if isinstance(item, Variable | Bundle | Numbers) else _held(item)
         if found:
             return found
     return None
@@ -40,7 +40,7 @@ class Layout:
         self.size = 0  # of the vector of all variables
         self.tasks: list[TaskDeclaration] = []
         self.requirements: list[Requirement] = []
-        self.tables: list[Table] = []
+        self.tables: list[Numbers] = []
         self.bundles: dict[str, Bundle] = {}
         self.enumerations: dict[str, ir.Enumeration] = {}
         members: dict[str, Any] = {}
@@ -81,7 +81,7 @@ class Layout:
             )
 
     def _member(self, name: str, member: Any) -> None:
-        if isinstance(member, Variable | Bundle | Table):
+        if isinstance(member, Variable | Bundle | Numbers):
             if name in RESERVED:
                 self.fail(f"the name '{name}' is taken in every component", member.place)
             if member.name != name:
@@ -96,7 +96,7 @@ class Layout:
             self._add(name, member)
         elif isinstance(member, Bundle):
             self._add_bundle(name, member)
-        elif isinstance(member, Table):
+        elif isinstance(member, Numbers):
             self.tables.append(member)
         elif hasattr(member, "_navfmu_task"):
             kind, argument, offset, place = member._navfmu_task

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,8 @@ from navfmu.export.frame import Frame
 from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
 from navfmu.export.layout import Layout
+from navfmu.export.numbers import Numbers
 from navfmu.export.place import is_foreign
-from navfmu.export.table import Table
 from navfmu.export.task import TaskDeclaration
 
 _KINDS = {"Real": "f", "Integer": "i", "Boolean": "b"}
@@ -35,7 +35,7 @@ class TraceFrame(Frame):
         for table in layout.tables:
             both = trace.symbols("rows", "f" * 2 * len(table.columns), first)
             both.setflags(write=False)
-            self.tables[table.name] = (both[: len(table.columns)], both[len(table.columns) :])
+            self.tables[table.name] = both
             first += both.size
         self.normals = 0
 
@@ -55,7 +55,9 @@ class TraceFrame(Frame):
         array.setflags(write=False)
         return array
 
-    def rows(self, table: Table) -> tuple[Any, Any]:
+    def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
+        if values[0] is not self.time:
+            self.fail("tables are searched by the time of the task only")
         return self.tables[table.name]
 
     def noise(self, count: int) -> Any:
@@ -186,7 +188,8 @@ def lower(component: type[Component]) -> ir.Model:
             name=table.name,
             columns=tuple(name for name, _ in table.columns),
             units=tuple(unit for _, unit in table.columns),
-            rows=tuple(tuple(row) for row in table.rows.tolist()),
+            numbers=table.numbers,
+            keys=table.keys,
         )
         for table in layout.tables
     )

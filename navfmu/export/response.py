@@ -186,7 +186,7 @@ class _Run:
     def __enter__(self) -> _Run:
         self.resources = tempfile.TemporaryDirectory(prefix="navfmu-")
         for table in self.model.tables:
-            (Path(self.resources.name) / f"{table.name}.csv").write_text(codegen.table_text(table))
+            (Path(self.resources.name) / table.file).write_bytes(table.content)
         self.fmi = ctypes.CDLL(os.fspath(self.path))
         pointer, text = ctypes.c_void_p, ctypes.c_char_p
         logger = ctypes.CFUNCTYPE(None, pointer, text, ctypes.c_int, text, text)

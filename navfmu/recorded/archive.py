@@ -1,61 +1,39 @@
-"""A track FMU from the prebuilt player: the table of the flight goes into its resources, its description says which.
-
-The binaries stay as they were built; they read the table when instantiated. They accept their own GUID followed by a
-dot and a hash, so that every track is a different FMU to masters that tell FMUs apart by GUID.
-"""
+"""A track FMU from the prebuilt player: the table of the flight goes into its resources, its description says which."""
 
 from __future__ import annotations
 
-import hashlib
-import zipfile
 from pathlib import Path
-
-import numpy as np
 
 from navfmu.errors import NavfmuError, visible
 from navfmu.files.archive import zipped
 from navfmu.files.markup import parse
 from navfmu.files.writing import write_file
+from navfmu.fmi.tables import contents, read, replaced
 from navfmu.recorded.importer import Imported
 
-TABLE = "resources/track.csv"
-COLUMNS = 10
+TABLE = "track"
 DESCRIPTION = "modelDescription.xml"
 ACCOUNT = "documentation/import.txt"
 
 
 def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str | None = None) -> Path:
     """Write the FMU of an imported track to ``out``; ``player`` is the FMU ``track`` that this package ships."""
-    with zipfile.ZipFile(player) as archive:
-        contents = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
-    if TABLE not in contents or DESCRIPTION not in contents:
-        raise NavfmuError(f"{player}: this is not the track player, it has no {TABLE}")
-    header = contents[TABLE].split(b"\n", 1)[0].decode().strip()
-    if header.count(",") != COLUMNS - 1:
-        raise NavfmuError(f"{player}: its {TABLE} has the columns '{header}'; expected {COLUMNS} of them")
-    table = table_text(header, imported.flight.table())
+    files = contents(player)
+    labels, rows = list(read(files, TABLE, str(player))), imported.flight.table()
+    if len(labels) != rows.shape[1]:
+        have = ", ".join(labels)
+        raise NavfmuError(f"{player}: its table has the columns {have}; expected {rows.shape[1]} of them")
+    files = replaced(files, TABLE, dict(zip(labels, rows.T, strict=True)), str(player))
     name = visible(name or Path(imported.source).stem)
-    contents |= {
-        TABLE: table.encode(),
-        DESCRIPTION: _describe(contents[DESCRIPTION], imported, table, name),
-        ACCOUNT: _account(imported, name).encode(),
-    }
-    return write_file(out, zipped(contents))
+    files |= {DESCRIPTION: _describe(files[DESCRIPTION], imported, name), ACCOUNT: _account(imported, name).encode()}
+    return write_file(out, zipped(files))
 
 
-def table_text(header: str, rows: np.ndarray) -> str:
-    """The table as the FMU reads it: a header, then numbers that survive writing and reading to the last bit."""
-    lines = [",".join(repr(float(value)) for value in row) for row in rows]
-    return "\n".join([header, *lines]) + "\n"
-
-
-def _describe(xml: bytes, imported: Imported, table: str, name: str) -> bytes:
+def _describe(xml: bytes, imported: Imported, name: str) -> bytes:
     from lxml import etree
 
     root = parse(xml, DESCRIPTION)
-    digest = hashlib.sha256(table.encode()).hexdigest()[:16]
     flight = imported.flight
-    root.set("guid", f"{root.get('guid').split('.')[0]}.{digest}")
     root.set("modelName", name)
     root.set(
         "description",

@@ -44,7 +44,7 @@ def test_an_fmu_has_everything_in_its_place(tmp_path):
         "documentation/index.html",
         "documentation/licenses/license.txt",
         "documentation/licenses/fmi-standard.txt",
-        "resources/track.csv",
+        "resources/track.npy",
         "sources/fmu.c",
         "sources/model.c",
         "sources/fmi2Functions.h",

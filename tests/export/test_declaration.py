@@ -8,7 +8,7 @@ from numpy import array, full, where
 
 from evidence.compiled import Compiled, linked
 from navfmu.errors import NavfmuError
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
+from navfmu.export import Bundle, Component, Grid, Input, Output, Parameter, State, Table, every, on_new, require, start
 from navfmu.export.graph import elements_used
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
@@ -212,10 +212,49 @@ DECLARATIONS = {
     "every number": (lambda: every(0.1), "name of a Parameter"),
     "on_new without name": (lambda: on_new(None), "input Bundle"),
     "table of wrong width": (lambda: Table(columns=(("time", "s"),), rows=[[0, 1], [1, 2]]), "(2, 2)"),
-    "table by altitude": (
-        lambda: Table(columns=(("altitude", "m"), ("time", "s")), rows=[[0, 1], [1, 2]]),
-        "'altitude' is in 'm'",
-        "np.interp",
+    "table by a column that goes up and down": (
+        lambda: Table(columns=(("time", "s"), ("x", "m")), rows=[[0, 1], [1, 3], [2, 3]], key=("time", "x")),
+        "Table is searched by 'x', which does not increase",
+    ),
+    "table by an unknown column": (
+        lambda: Table(columns=(("time", "s"), ("height", "m")), rows=[[0, 1], [1, 3]], key="hieght"),
+        "no column 'hieght' to be searched by; did you mean 'height'?",
+    ),
+    "table by nothing": (
+        lambda: Table(columns=(("time", "s"),), rows=[[0], [1]], key=()),
+        "is searched by nothing; expected a column",
+    ),
+    "table with a column twice": (
+        lambda: Table(columns=(("x", "s"), ("x", "m")), rows=[[0, 1], [1, 3]]),
+        "has two columns 'x'",
+    ),
+    "table with a hole": (
+        lambda: Table(columns=(("time", "s"), ("x", "m")), rows=[[0, 1], [1, np.nan]]),
+        "has a number in 'x' that is not finite",
+    ),
+    "grid with one axis": (
+        lambda: Grid(axes=(("x", "m", [0, 1]),), surfaces=(("z", "m", [0, 1]),)),
+        "has 1 axes and 1 surfaces; expected 2 axes",
+    ),
+    "grid without a surface": (
+        lambda: Grid(axes=(("x", "m", [0, 1]), ("y", "m", [0, 1])), surfaces=()),
+        "has 2 axes and 0 surfaces",
+    ),
+    "grid on its side": (
+        lambda: Grid(axes=(("x", "m", [0, 1]), ("y", "m", [0, 1, 2])), surfaces=(("z", "m", np.zeros((3, 2))),)),
+        "has 'z' of shape (3, 2), expected (2, 3)",
+    ),
+    "grid with an axis of two dimensions": (
+        lambda: Grid(axes=(("x", "m", [[0, 1]]), ("y", "m", [0, 1])), surfaces=(("z", "m", np.zeros((2, 2))),)),
+        "has 'x' of shape (1, 2), expected a list of numbers",
+    ),
+    "grid with an axis that stands still": (
+        lambda: Grid(axes=(("x", "m", [0, 1]), ("y", "m", [1, 1])), surfaces=(("z", "m", np.zeros((2, 2))),)),
+        "is searched by 'y', which does not increase",
+    ),
+    "grid with one column": (
+        lambda: Grid(axes=(("x", "m", [0, 1]), ("y", "m", [1])), surfaces=(("z", "m", np.zeros((2, 1))),)),
+        "is searched by 'y', which does not increase; expected two or more",
     ),
     "table without columns": (lambda: Table(columns=(), rows=[[], []]), "0 columns"),
     "two decorators": (lambda: on_new("a")(on_new("b")(_quiet())), "two decorators", "second method"),
@@ -512,6 +551,7 @@ def test_texts_that_no_description_can_hold_are_refused_where_they_stand(charact
         lambda: Input("m", description=text),
         lambda: Bundle(s=Output("m"), description=text),
         lambda: Table(columns=(("time", "s"), (text, "m")), rows=[[0, 1], [1, 2]]),
+        lambda: Grid(axes=((text, "m", [0, 1]), ("y", "m", [0, 1])), surfaces=(("z", "m", np.zeros((2, 2))),)),
     ]
     if character != "\ud800":  # Python itself refuses that
         makes.append(class_text)

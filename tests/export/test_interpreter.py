@@ -165,7 +165,7 @@ def test_tables_are_searched_by_time_and_clamped_at_both_ends():
         [seen[10], seen[20], seen[30], seen[60], seen[80]], [1.0, 2.0, 1.5, 0.0, 0.0], atol=1e-12
     )
     table = Source.layout.tables[0]
-    assert [table.find(t) for t in (-1.0, 0.0, 0.99, 1.0, 2.9, 3.0, 99.0)] == [0, 0, 0, 1, 1, 1, 1]
+    assert [table.find(0, t) for t in (-1.0, 0.0, 0.99, 1.0, 2.9, 3.0, 99.0)] == [0, 0, 0, 1, 1, 1, 1]
 
 
 def test_ticks_count_from_the_start_time():

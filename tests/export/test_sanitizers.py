@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from navfmu.export.build import prepare
-from navfmu.export.codegen import table_text
 from navfmu.export.lower import lower
 from tests import sanitizers
 
@@ -21,7 +20,7 @@ def test_sanitizers_find_nothing_whatever_a_host_calls(component, tmp_path):
     for name, text in prepare(model).files.items():
         (tmp_path / name).write_text(text)
     for table in model.tables:
-        (tmp_path / f"{table.name}.csv").write_text(table_text(table))
+        (tmp_path / table.file).write_bytes(table.content)
     sources = [Path(__file__).with_name("drive.c")]
     program = sanitizers.compile(sources, tmp_path / "drive", [tmp_path])
     environment = {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}

@@ -1,10 +1,11 @@
-"""Tables in resources: found whatever the host calls the folder, refused with file and line when they are wrong."""
+"""Tables in resources: found whatever the host calls the folder, refused with a sentence when they are wrong.
+
+Their files are written here by ``np.save``, and changed byte by byte.
+"""
 
 import ctypes
-import locale
+import io
 import shutil
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,21 @@ from navfmu.export.interpreter import Interpreter
 from .components import Rows
 from .slave import ERROR, OK, Slave, Unzipped
 
-TABLE = "time (s),x (m)\n0.0,0.0\n1.0,2.0\n3.0,0.0\n"
+NAMES = ("time (s)", "x (m)")
+ROWS = [[0.0, 0.0], [1.0, 2.0], [3.0, 0.0]]
+
+
+def saved(rows, names=NAMES, form="<f8", version=None) -> bytes:
+    """A table as NumPy saves it."""
+    file = io.BytesIO()
+    records = np.array([tuple(row) for row in rows], [(name, form) for name in names])
+    np.lib.format.write_array(file, records, version)
+    return file.getvalue()
+
+
+def hold(fmu, data: bytes, name="track"):
+    """Put a file in the place of an FMU's table."""
+    (fmu.folder / "resources" / f"{name}.npy").write_bytes(data)
 
 
 @pytest.fixture
@@ -43,8 +58,8 @@ def x_at_one(fmu, resources=None):
     return value
 
 
-def test_the_table_has_a_header_with_units_and_numbers_that_read_back(unzipped):
-    assert (unzipped["source"].folder / "resources" / "track.csv").read_text() == TABLE
+def test_the_file_is_the_one_that_numpy_saves(unzipped):
+    assert (unzipped["source"].folder / "resources" / "track.npy").read_bytes() == saved(ROWS)
 
 
 @pytest.mark.parametrize("form", ["file://{}", "file:{}", "file://localhost{}", "FILE://{}", "file://{}/"])
@@ -59,77 +74,76 @@ def test_a_plain_path_is_taken_as_it_is(source):
 
 
 def test_a_missing_location_or_file_is_told(source):
-    assert x_at_one(source, "file:///nowhere/%41") == "The table /nowhere/A/track.csv cannot be read."
-    none = "No fmuResourceLocation was given, but this FMU reads the table resources/track.csv."
+    assert x_at_one(source, "file:///nowhere/%41") == "The table /nowhere/A/track.npy cannot be read."
+    none = "No fmuResourceLocation was given, but this FMU reads the table resources/track.npy."
     assert x_at_one(source, "") == none
-    (source.folder / "resources" / "track.csv").unlink()
-    assert x_at_one(source).endswith("/resources/track.csv cannot be read.")
+    (source.folder / "resources" / "track.npy").unlink()
+    assert x_at_one(source).endswith("/resources/track.npy cannot be read.")
 
 
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("time (s),y (m)\n0,0\n1,1\n", "does not start with the line 'time (s),x (m)'."),
-        ("", "does not start with the line 'time (s),x (m)'."),
-        ("time (s),x (m)\n0,0\n", "has 1 rows; expected at least 2."),
-        ("time (s),x (m)\n0,0\n1\n", "Line 3 of the table"),
-        ("time (s),x (m)\n0,0\n1,x\n", "is not 2 numbers separated by commas."),
-        ("time (s),x (m)\n0,0\n1,\n2,3\n", "Line 3 of the table"),
-        ("time (s),x (m)\n0,0\n1,2,3\n", "has more than 2 numbers."),
-        ("time (s),x (m)\n0,0\n1,nan\n", "is not 2 numbers separated by commas."),
-        ("time (s),x (m)\n0,0\n1,1\n1,2\n", "its first number, 1, is not greater than the one before."),
-    ],
-)
-def test_a_wrong_table_is_refused_with_file_and_line(source, text, sentence):
-    (source.folder / "resources" / "track.csv").write_text(text)
+HEADER = "{'descr': [('time (s)', '<f8'), ('x (m)', '<f8')], 'fortran_order': False, 'shape': (%s,), }"
+EXPECTED = f"; expected {HEADER % '...'}."
+GOOD = saved(ROWS)
+WRONG = {
+    "another unit": (
+        saved(ROWS, ("time (s)", "x (ft)")),
+        f"has the header {HEADER % 3}{EXPECTED}".replace("m)", "ft)", 1),
+    ),
+    "columns the other way round": (saved(ROWS, NAMES[::-1]), EXPECTED),
+    "a column more": (saved(np.ones((3, 3)), (*NAMES, "y (m)")), "('y (m)', '<f8')]"),
+    "most significant byte first": (saved(ROWS, form=">f8"), "('x (m)', '>f8')]"),
+    "single precision": (saved(ROWS, form="<f4"), "('x (m)', '<f4')]"),
+    "numbers without names": (
+        saved([[0.0], [1.0]], NAMES[:1]).replace(b"('time (s)', '<f8')", b"'f0'               "),
+        "'f0'",
+    ),
+    "a size that is none": (GOOD.replace(b"(3,)", b"(x,)"), "'shape': (x,)"),
+    "a size that is too large for anything": (
+        GOOD.replace(b"(3,), }      ", b"(3333333333,)"),
+        "'shape': (3333333333,)",
+    ),
+    "a size that is too large": (
+        GOOD.replace(b"(3,), }        ", b"(333333333,), }"),
+        "has less than the 666666666 numbers",
+    ),
+    "a CSV file": (b"time (s),x (m)\n0,0\n1,1\n", "is no file of NumPy's format."),
+    "nothing": (b"", "is no file of NumPy's format."),
+    "the end in the header": (GOOD[:40], "is no file of NumPy's format."),
+    "a header without an end": (GOOD[:8] + b"\xff\xff" + GOOD[10:], "is no file of NumPy's format."),
+    "a number less": (GOOD[:-8], "has less than the 6 numbers of its header."),
+    "a byte less": (GOOD[:-1], "has less than the 6 numbers of its header."),
+    "a byte more": (GOOD + b"\n", "has more than the 6 numbers of its header."),
+    "a row": (saved(ROWS[:1]), "has 1 numbers in 'time (s)'; expected at least 2."),
+    "no row": (saved([]), "has 0 numbers in 'time (s)'; expected at least 2."),
+    "no number": (saved([[0, 0], [1, np.nan]]), "number 2 of 2 in 'x (m)' is nan; expected a finite one."),
+    "a negative one": (saved([[0, 0], [1, -np.nan]]), "number 2 of 2 in 'x (m)' is nan; expected a finite one."),
+    "no time": (saved([[0, 0], [1, 1], [np.inf, 1]]), "number 3 of 3 in 'time (s)' is inf; expected a finite one."),
+    "a time twice": (
+        saved([[0, 0], [1, 1], [1, 2]]),
+        "number 3 of 3 in 'time (s)', 1, is not greater than the one before, 1.",
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_wrong_table_is_refused_and_what_is_wrong_told(source, wrong):
+    """A reader that trusted the header would read past the end, and one that skipped it would take feet for metres."""
+    data, sentence = WRONG[wrong]
+    hold(source, data)
     said = x_at_one(source)
     assert sentence in said
-    assert "track.csv" in said
+    assert "track.npy" in said
     assert "100%%25" not in said and "100%%" in said  # a percent sign is doubled for hosts that print like printf
 
 
-def test_other_line_ends_empty_lines_and_notations_are_read(source):
-    text = "time (s),x (m)\r\n0,0\r\n\r\n1E0, +2.0\r\n3,0"
-    (source.folder / "resources" / "track.csv").write_bytes(text.encode())
-    assert x_at_one(source) == 2.5
-
-
-#: A mark of one byte, which is the one between the numbers, too, and a mark of two bytes.
-LANGUAGES = ("de_DE", "ps_AF")
-
-
-@pytest.fixture(scope="module")
-def languages(tmp_path_factory):
-    """A folder of locales, made where their sources are."""
-    folder = tmp_path_factory.mktemp("locales")
-    for name in LANGUAGES:
-        if shutil.which("localedef") and Path(f"/usr/share/i18n/locales/{name}").is_file():
-            command = ["localedef", "-i", name, "-f", "UTF-8", str(folder / f"{name}.UTF-8")]
-            subprocess.run(command, check=False, capture_output=True)
-    return folder
-
-
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("rows", ["0.0,0.0\n1.0,2.0\n3.0,0.0\n", "0,0.5\n1,2\n3,1\n", "-1,0\n0,0\n2,4\n"])
-def test_numbers_are_read_whatever_the_hosts_locale_is(source, languages, monkeypatch, language, rows):
-    before = locale.setlocale(locale.LC_NUMERIC)
-    (source.folder / "resources" / "track.csv").write_text(f"time (s),x (m)\n{rows}")
-    if any(languages.iterdir()):
-        monkeypatch.setenv("LOCPATH", str(languages))
-    try:
-        locale.setlocale(locale.LC_NUMERIC, f"{language}.UTF-8")
-    except locale.Error:
-        pytest.skip(f"the locale {language} is not installed and cannot be made")
-    try:
-        assert locale.localeconv()["decimal_point"] != "."
-        assert x_at_one(source) == 2.5
-    finally:
-        locale.setlocale(locale.LC_NUMERIC, before)
+@pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
+def test_all_versions_of_the_format_are_read(source, version):
+    hold(source, saved([[0.0, 1.0], [1.0, 3.0], [3.0, 0.0]], version=version))
+    assert x_at_one(source) == 3.5
 
 
 def test_a_long_table_is_read_and_searched_in_both_directions(source):
-    rows = [f"{k * 0.001!r},{k * 0.5!r}" for k in range(50000)]
-    (source.folder / "resources" / "track.csv").write_text("time (s),x (m)\n" + "\n".join(rows) + "\n")
+    hold(source, saved([[k * 0.001, k * 0.5] for k in range(50000)]))
     slave = Slave(source)
     slave.initialise()
     state = slave.save()
@@ -142,10 +156,10 @@ def test_a_long_table_is_read_and_searched_in_both_directions(source):
 
 
 def test_a_table_that_cannot_be_read_to_its_end_is_told(source):
-    table = source.folder / "resources" / "track.csv"
+    table = source.folder / "resources" / "track.npy"
     table.unlink()
     table.mkdir()  # can be opened, but gives an error when read
-    assert x_at_one(source).endswith("/resources/track.csv cannot be read.")
+    assert x_at_one(source).endswith("/resources/track.npy cannot be read.")
 
 
 @pytest.mark.parametrize("start", [-2.0, 0.0, 10.0])
@@ -169,12 +183,12 @@ def test_native_fmu_and_interpreter_find_the_same_rows_before_within_and_behind_
     assert found == {-2.0: everything, 0.0: everything, 10.0: {(2.5, 3.0)}}[start]
 
 
-ROWS = ["0.0,1.0", "1.0,2.0", "2.5,4.0", "3.0,8.0"]
+HELD = [[0.0, 1.0], [1.0, 2.0], [2.5, 4.0], [3.0, 8.0]]
 OTHERS = {
-    "one value": ["0.0,1.0", "1.0,2.0000000000000004", "2.5,4.0", "3.0,8.0"],
-    "two signs": ["0.0,1.0", "1.0,-2.0", "2.5,-4.0", "3.0,8.0"],
-    "a row more": [*ROWS, "4.0,8.0"],
-    "a row less": ROWS[:-1],
+    "one value": [[0.0, 1.0], [1.0, 2.0000000000000004], [2.5, 4.0], [3.0, 8.0]],
+    "two signs": [[0.0, 1.0], [1.0, -2.0], [2.5, -4.0], [3.0, 8.0]],
+    "a row more": [*HELD, [4.0, 8.0]],
+    "a row less": HELD[:-1],
 }
 
 
@@ -182,7 +196,7 @@ OTHERS = {
 def test_a_state_that_was_saved_with_another_table_is_refused(other, unzipped, tmp_path):
     """Also when it is the same binary, and the host holds the state of another instance in memory."""
     fmu = copy_of(unzipped["rows"], tmp_path / "other")
-    (fmu.folder / "resources" / "track.csv").write_text("\n".join(["time (s),x (m)", *OTHERS[other], ""]))
+    hold(fmu, saved(OTHERS[other]))
     slaves = here, there = Slave(unzipped["rows"]), Slave(fmu)
     for slave in slaves:
         slave.initialise()
@@ -200,7 +214,7 @@ def test_a_state_that_was_saved_with_another_table_is_refused(other, unzipped, t
 
 def test_a_state_fits_where_the_same_numbers_are_written_otherwise(unzipped, tmp_path):
     fmu = copy_of(unzipped["rows"], tmp_path / "other")
-    (fmu.folder / "resources" / "track.csv").write_text("time (s),x (m)\r\n0,1\r\n1e0,2\r\n2.50,4\r\n3,8\r\n")
+    hold(fmu, saved(HELD, version=(2, 0)))
     here, there = Slave(unzipped["rows"]), Slave(fmu)
     assert here.deserialise(there.serialise(there.save()))[0] == OK
     here.free()

@@ -58,6 +58,8 @@ PLACES = {
     "a recording as Parquet": ["plot", "{pipe}.parquet", "lag.y"],
     "a device that is no recording": ["plot", "/dev/zero"],
     "a track": ["track", "{pipe}", "--out", "{folder}/t.fmu"],
+    "an FMU with a table": ["table", "{pipe}"],
+    "numbers for a table": ["table", "{folder}/t.fmu", "t", "--from", "{pipe}.csv", "--out", "{folder}/u.fmu"],
     "a device that is no track": ["track", "/dev/zero", "--out", "{folder}/t.fmu"],
     "a result": ["run", "{tracker}", "--out", "{pipe}.csv"],
 }

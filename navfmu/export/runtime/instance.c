@@ -58,7 +58,6 @@ static size_t lay_out(Instance *self, char *base) {
     char *state = take(base, &size, self->state_size, 1);
     self->before = take(base, &size, self->state_size, 1);
     self->tables = take(base, &size, at_least_one(model.table_count), sizeof(Table));
-    self->cursors = take(base, &size, at_least_one(model.table_count), sizeof(int64_t));
     self->fixed = take(base, &size, at_least_one(model.fixed_count), sizeof(double));
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
@@ -146,8 +145,9 @@ static int run(Instance *self, const Task *task, int64_t k, double time) {
 static void look_up(Instance *self, double time) {
     double *out = self->rows;
     for (int i = 0; i < model.table_count; i++) {
-        table_rows(&self->tables[i], time, &self->cursors[i], out);
-        out += 2 * self->tables[i].columns;
+        const TableInfo *info = &model.tables[i];
+        if (!info->grid && info->keys[0] == 0) table_rows(&self->tables[i], 0, time, out);
+        out += 2 * info->columns;
     }
 }
 

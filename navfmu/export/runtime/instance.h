@@ -58,7 +58,6 @@ struct Instance {
     Table *tables;    /* constant after instantiation */
     uint64_t table_number; /* what they hold, as a number */
     double *fixed;    /* follows from values that stand since initialisation: not part of the state */
-    int64_t *cursors; /* where the last search in each table ended: saves time, decides nothing */
 
     /* buffers of one task's run */
     double *held, *noise, *result, *rows;

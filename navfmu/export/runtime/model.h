@@ -56,11 +56,15 @@ typedef struct {
     const int *values; /* indices in v, in order of the "{}" */
 } Check;
 
-/* Rows of numbers in resources/, sorted by their first column. */
+/* Columns of numbers in a file of NumPy's format in resources/: rows of a table, or two axes and surfaces over them. */
 typedef struct {
     const char *file;
-    const char *header;
+    const char *header;        /* of the file; the bytes 1 and 2 stand for sizes */
+    int grid;
     int columns;
+    const char *const *labels;
+    int key_count;
+    const int *keys;           /* the columns that increase */
 } TableInfo;
 
 /* When tasks run: at offset + k * period since the start. */

@@ -1,6 +1,5 @@
 #include "table.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,107 +66,166 @@ static FILE *open_file(const char *path) {
 #endif
 }
 
-static char *read_text(const char *path) {
-    FILE *file = open_file(path);
-    if (!file) return NULL;
-    size_t length = 0, room = 1 << 16;
-    char *text = malloc(room + 1);
-    while (text) {
-        length += fread(text + length, 1, room - length, file);
-        if (length < room) break;
-        char *larger = realloc(text, 2 * room + 1);
-        if (!larger) free(text);
-        text = larger;
-        room *= 2;
+/* ---- files of NumPy's format: magic, version, length of the header, header, numbers ---- */
+
+/* A header, which ends in spaces and a line end, against that of the model, in which the bytes 1 and 2 stand for sizes:
+   the first of each sets the size, any other must be the same. */
+static int fits(const char *header, size_t length, const char *model_header, int *sizes) {
+    const char *end = header + length;
+    for (const char *c = model_header; *c; c++) {
+        if (*c > 2) {
+            if (header == end || *header++ != *c) return 0;
+            continue;
+        }
+        int number = 0, digits = 0, *size = &sizes[*c - 1];
+        for (; header < end && *header >= '0' && *header <= '9' && digits < 9; header++, digits++) {
+            number = 10 * number + (*header - '0');
+        }
+        if (!digits || (*size >= 0 && *size != number)) return 0;
+        *size = number;
     }
-    if (text && ferror(file)) {
-        free(text);
-        text = NULL;
-    }
-    fclose(file);
-    if (text) text[length] = 0;
-    return text;
+    while (header < end && *header == ' ') header++;
+    return header + 1 == end && *header == '\n';
 }
 
-/* The number at *text, written with a point whatever the host's locale is; moves *text behind it. strtod wants the
-   locale's mark, which may be several bytes, and must not see what stands behind the number: a comma may be one. */
-static int read_number(const char **text, double *value) {
-    char number[512], *end;
-    const char *mark = localeconv()->decimal_point, *point;
-    const size_t length = strcspn(*text, ",\r\n"), more = strlen(mark);
-    if (length == 0 || length + more >= sizeof number) return 0;
-    memcpy(number, *text, length);
-    number[length] = 0;
-    *text += length;
-    point = memchr(number, '.', length);
-    if (point) {
-        const size_t before = (size_t)(point - number);
-        memmove(number + before + more, number + before + 1, length - before);
-        memcpy(number + before, mark, more);
+/* A header as it is printed: some 300 characters of it, "..." where a size stands. */
+static const char *printed(const char *header, size_t length, char *room) {
+    char *end = room;
+    for (; length && end < room + 300; header++, length--) {
+        if (*header == 1 || *header == 2) *end++ = '.', *end++ = '.', *end++ = '.';
+        else *end++ = *header == '\n' ? ' ' : *header >= ' ' && *header <= '~' ? *header : '?';
     }
-    *value = strtod(number, &end);
-    return *end == 0 && isfinite(*value);
+    while (end > room && end[-1] == ' ') end--;
+    *end = 0;
+    return room;
 }
 
-static int parse(Table *table, const TableInfo *info, const char *text, const char *path, char *problem, size_t size) {
-    size_t header = strlen(info->header);
-    if (strncmp(text, info->header, header) != 0 || (text[header] != '\n' && text[header] != '\r')) {
-        snprintf(problem, size, "The table %s does not start with the line '%s'.", path, info->header);
-        return 1;
+/* The header, or NULL when the file is another one or ends in it. */
+static char *read_header(FILE *file, size_t *length) {
+    unsigned char start[12];
+    if (fread(start, 1, 10, file) != 10 || memcmp(start, "\x93NUMPY", 6) != 0) return NULL;
+    *length = start[8] | (size_t)start[9] << 8;
+    if (start[6] > 1) { /* of versions 2 and 3 the length has four bytes */
+        if (fread(start + 10, 1, 2, file) != 2 || start[11]) return NULL;
+        *length |= (size_t)start[10] << 16;
     }
-    size_t lines = 0;
-    for (const char *c = text; *c; c++) lines += *c == '\n';
-    table->values = malloc((lines + 1) * (size_t)info->columns * sizeof(double));
-    if (!table->values) {
-        snprintf(problem, size, "There is not enough memory for the table %s.", path);
-        return 1;
+    char *header = malloc(*length + 1);
+    if (header && fread(header, 1, *length, file) == *length) return header;
+    free(header);
+    return NULL;
+}
+
+/* Column c of the table: its first number, their distance in memory, how many there are. */
+static const double *column_of(const Table *table, int c, size_t *distance, size_t *count) {
+    const size_t first = (size_t)table->sizes[0], second = (size_t)table->sizes[1];
+    if (!table->info->grid) {
+        *distance = (size_t)table->info->columns;
+        *count = first;
+        return table->values + c;
     }
-    int line = 1;
-    for (text += header;;) {
-        if (*text == '\r') text++;
-        if (*text == '\n') text++, line++;
-        if (*text == '\r' || *text == '\n') continue; /* an empty line */
-        if (!*text) break;
-        double *row = table->values + (size_t)table->rows * (size_t)info->columns;
-        int good = read_number(&text, row);
-        for (int column = 1; good && column < info->columns; column++) {
-            good = *text++ == ',' && read_number(&text, row + column);
-        }
-        if (!good) {
-            snprintf(problem, size, "Line %d of the table %s is not %d numbers separated by commas.", line, path,
-                     info->columns);
-            return 1;
-        }
-        if (*text && *text != '\r' && *text != '\n') {
-            snprintf(problem, size, "Line %d of the table %s has more than %d numbers.", line, path, info->columns);
-            return 1;
-        }
-        if (table->rows && !(row[0] > row[-info->columns])) {
-            snprintf(problem, size, "Line %d of the table %s: its first number, %g, is not greater than the one before.",
-                     line, path, row[0]);
-            return 1;
-        }
-        table->rows++;
+    *distance = 1;
+    *count = c == 0 ? first : c == 1 ? second : first * second;
+    return table->values + (c == 0 ? 0 : c == 1 ? first : first + second + (size_t)(c - 2) * first * second);
+}
+
+static int all_finite(const double *values, size_t count) {
+    const uint64_t exponent = UINT64_C(0x7FF0000000000000);
+    uint64_t bits, wrong = 0;
+    for (size_t i = 0; i < count; i++) {
+        memcpy(&bits, &values[i], sizeof bits);
+        wrong |= (bits & exponent) == exponent;
     }
-    if (table->rows < 2) {
-        snprintf(problem, size, "The table %s has %d rows; expected at least 2.", path, table->rows);
-        return 1;
+    return !wrong;
+}
+
+static int is_key(const TableInfo *info, int column) {
+    for (int k = 0; k < info->key_count; k++) {
+        if (info->keys[k] == column) return 1;
     }
     return 0;
 }
 
+/* What the numbers must be: finite, and those of a key increasing. */
+static int check(const Table *table, const char *path, char *problem, size_t size) {
+    const int good = all_finite(table->values, table->count);
+    for (int c = 0; c < table->info->columns; c++) {
+        size_t distance, count;
+        const double *column = column_of(table, c, &distance, &count);
+        const char *label = table->info->labels[c];
+        for (size_t i = 0; i < count && !good; i++) {
+            double value = column[i * distance];
+            if (isfinite(value)) continue;
+            snprintf(problem, size, "The table %s: number %.0f of %.0f in '%s' is %g; expected a finite one.", path,
+                     (double)(i + 1), (double)count, label, value == value ? value : (double)NAN);
+            return 1;
+        }
+        if (!is_key(table->info, c)) continue;
+        if (count < 2) {
+            snprintf(problem, size, "The table %s has %.0f numbers in '%s'; expected at least 2.", path, (double)count,
+                     label);
+            return 1;
+        }
+        for (size_t i = 1; i < count; i++) {
+            double before = column[(i - 1) * distance], value = column[i * distance];
+            if (value > before) continue;
+            snprintf(problem, size, "The table %s: number %.0f of %.0f in '%s', %g, is not greater than the one before, %g.",
+                     path, (double)(i + 1), (double)count, label, value, before);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int read_table(Table *table, FILE *file, const char *path, char *problem, size_t size) {
+    const TableInfo *info = table->info;
+    char one[310], other[310];
+    size_t length;
+    char *header = file ? read_header(file, &length) : NULL;
+    if (!header) {
+        const int other_file = file && !ferror(file);
+        snprintf(problem, size, other_file ? "The table %s is no file of NumPy's format." : "The table %s cannot be read.", path);
+        return 1;
+    }
+    table->sizes[0] = table->sizes[1] = -1;
+    const int fit = fits(header, length, info->header, table->sizes);
+    if (!fit) {
+        snprintf(problem, size, "The table %s has the header %s; expected %s.", path, printed(header, length, one),
+                 printed(info->header, strlen(info->header), other));
+    }
+    free(header);
+    if (!fit) return 1;
+
+    const double first = table->sizes[0], second = table->sizes[1];
+    const double count = info->grid ? first + second + (info->columns - 2) * first * second : info->columns * first;
+    table->count = count < (double)(SIZE_MAX / 16) ? (size_t)count : 0;
+    table->values = malloc(table->count * sizeof(double) + 1); /* none is no NULL */
+    if (!table->values || (double)table->count != count) {
+        snprintf(problem, size, "There is not enough memory for the table %s.", path);
+        return 1;
+    }
+    const size_t read = fread(table->values, sizeof(double), table->count, file);
+    if (read != table->count || fgetc(file) != EOF) {
+        snprintf(problem, size, "The table %s has %s than the %.0f numbers of its header.", path,
+                 read < table->count ? "less" : "more", count);
+        return 1;
+    }
+    return check(table, path, problem, size);
+}
+
 static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size) {
-    table->columns = info->columns;
+    table->info = info;
     if (!resources || !*resources) {
         snprintf(problem, size, "No fmuResourceLocation was given, but this FMU reads the table resources/%s.", info->file);
         return 1;
     }
     char *path = path_from_uri(resources, info->file);
-    char *text = path ? read_text(path) : NULL;
-    int failed = 1;
-    if (text) failed = parse(table, info, text, path, problem, size);
-    else snprintf(problem, size, "The table %s cannot be read.", path ? path : info->file);
-    free(text);
+    if (!path) {
+        snprintf(problem, size, "There is not enough memory for the table %s.", info->file);
+        return 1;
+    }
+    FILE *file = open_file(path);
+    const int failed = read_table(table, file, path, problem, size);
+    if (file) fclose(file);
     free(path);
     return failed;
 }
@@ -178,9 +236,8 @@ static void table_free(Table *table) {
 }
 
 static uint64_t table_number(const Table *table, uint64_t before) {
-    const size_t count = (size_t)table->rows * (size_t)table->columns;
-    uint64_t number = before ^ count, bits;
-    for (size_t i = 0; i < count; i++) {
+    uint64_t number = before ^ (uint64_t)table->sizes[0] ^ (uint64_t)table->sizes[1] << 32, bits;
+    for (size_t i = 0; i < table->count; i++) {
         memcpy(&bits, &table->values[i], sizeof bits);
         number = (number ^ bits) * 0x9E3779B97F4A7C15u; /* as in FNV, by words; then high bits reach low ones, too */
         number ^= number >> 32;
@@ -188,11 +245,55 @@ static uint64_t table_number(const Table *table, uint64_t before) {
     return number;
 }
 
-static void table_rows(const Table *table, double time, int64_t *cursor, double *out) {
-    const int columns = table->columns;
-    int64_t row = *cursor;
-    while (row + 2 < table->rows && table->values[(row + 1) * columns] <= time) row++;
-    while (row > 0 && table->values[row * columns] > time) row--;
-    *cursor = row;
-    memcpy(out, table->values + row * columns, 2 * (size_t)columns * sizeof *out);
+/* ---- searches ---- */
+
+/* The last place from 0 to `last` whose number is not above the value; 0 if there is none, `last` for NaN. It is looked
+   for in steps that double, from the place `from`, and then between two steps: near by it takes two comparisons. */
+static int64_t find(const double *numbers, size_t distance, int64_t last, double value, int64_t from) {
+    if (value != value) return last;
+    int64_t low = from, high = from + 1, step = 1; /* the place is low or above, and below high */
+    if (numbers[(size_t)low * distance] <= value) {
+        while (high <= last && numbers[(size_t)high * distance] <= value) {
+            low = high;
+            step *= 2;
+            high = low + step;
+        }
+        if (high > last + 1) high = last + 1;
+    } else {
+        do {
+            high = low;
+            low -= step;
+            step *= 2;
+        } while (low > 0 && !(numbers[(size_t)low * distance] <= value));
+        if (low < 0) low = 0;
+    }
+    while (high - low > 1) {
+        const int64_t middle = low + (high - low) / 2;
+        if (numbers[(size_t)middle * distance] <= value) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+static inline void table_rows(Table *table, int key, double value, double *out) {
+    const size_t columns = (size_t)table->info->columns;
+    const double *numbers = table->values + table->info->keys[key];
+    table->last[0] = find(numbers, columns, table->sizes[0] - 2, value, table->last[0]);
+    memcpy(out, table->values + (size_t)table->last[0] * columns, 2 * columns * sizeof *out);
+}
+
+static inline void table_corners(Table *table, double x, double y, double *out) {
+    const size_t first = (size_t)table->sizes[0], second = (size_t)table->sizes[1];
+    const double *xs = table->values, *ys = xs + first, *heights = ys + second;
+    const int64_t i = table->last[0] = find(xs, 1, table->sizes[0] - 2, x, table->last[0]);
+    const int64_t j = table->last[1] = find(ys, 1, table->sizes[1] - 2, y, table->last[1]);
+    const int surfaces = table->info->columns - 2;
+    out[0] = xs[i], out[1] = xs[i + 1], out[2] = ys[j], out[3] = ys[j + 1];
+    for (int s = 0; s < surfaces; s++, heights += first * second) {
+        const double *corner = heights + (size_t)i * second + (size_t)j;
+        out[4 + s] = corner[0];
+        out[4 + surfaces + s] = corner[1];
+        out[4 + 2 * surfaces + s] = corner[second];
+        out[4 + 3 * surfaces + s] = corner[second + 1];
+    }
 }

@@ -1,4 +1,4 @@
-/* Tables: files of numbers in the FMU's resources, searched by their first column. */
+/* Tables: files of numbers in the FMU's resources, searched by columns that increase. */
 #ifndef NAVFMU_TABLE_H
 #define NAVFMU_TABLE_H
 
@@ -6,9 +6,16 @@
 
 #include "model.h"
 
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "Tables are read as they lie in their files, least byte first, which this machine does not understand."
+#endif
+
 typedef struct {
-    int columns, rows; /* rows >= 2 */
-    double *values; /* row after row */
+    const TableInfo *info;
+    int sizes[2];    /* rows, -1; of a grid the numbers of its axes */
+    size_t count;
+    double *values;  /* row after row; of a grid the axes, then surface after surface */
+    int64_t last[2]; /* where the last search ended (on either axis): saves time, decides nothing */
 } Table;
 
 /* Read resources/FILE. Returns 0 when done, else writes a sentence to `problem`. */
@@ -18,8 +25,12 @@ static void table_free(Table *table);
 /* A number that depends on every bit of the table, and on the number of the tables before it. */
 static uint64_t table_number(const Table *table, uint64_t before);
 
-/* Copy the last row not after `time` and the row that follows it; the cursor remembers the place for the next call.
-   Before the first row these are the first two rows, after the last row the last two. */
-static void table_rows(const Table *table, double time, int64_t *cursor, double *out);
+/* Copy the last row whose key is not above `value`, and the row that follows it. Below the first row these are the first
+   two rows, above the last row, and for NaN, the last two. */
+static inline void table_rows(Table *table, int key, double value, double *out);
+
+/* Copy the ends of a grid's cell around (x, y) on both axes and, surface by surface, the values at its corners: those at
+   the first end of the first axis, then those at its second. Outside, and for NaN, it is the cell as in `table_rows`. */
+static inline void table_corners(Table *table, double x, double y, double *out);
 
 #endif

@@ -1,0 +1,65 @@
+"""Tables of an FMU, files of NumPy's format in its resources: read, and replaced without building anything.
+
+An FMU of ours reads its tables when it is instantiated. It accepts its own GUID followed by a dot and a hash, so that
+with another table it is another FMU to masters that tell FMUs apart by their GUID.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.files.archive import entries, open_archive, read_entry
+from navfmu.files.markup import parse
+from navfmu.files.numbers import packed, unpacked
+from navfmu.fmi.reading import NAME as DESCRIPTION
+
+FOLDER, SUFFIX = "resources", ".npy"
+LIMIT = 1 << 30  # bytes of a table
+
+
+def contents(path: str | Path) -> dict[str, bytes]:
+    """Return all files of an FMU, name -> content."""
+    path = Path(path)
+    with open_archive(path, "FMU") as archive:
+        return {name: read_entry(archive, name, path, LIMIT) for name in entries(archive, path)}
+
+
+def known(files: Iterable[str]) -> list[str]:
+    """Return the names of the tables among the files of an FMU."""
+    paths = map(PurePosixPath, files)
+    return sorted(path.stem for path in paths if path.parent.as_posix() == FOLDER and path.suffix == SUFFIX)
+
+
+def read(files: Mapping[str, bytes], name: str, what: str) -> dict[str, np.ndarray]:
+    """Return a table, label of a column -> its numbers; ``what`` the files are begins the sentence of what is wrong."""
+    names = known(files)
+    if name not in names:
+        have = ", ".join(names) or "none"
+        raise NavfmuError(f"{what}: has no table '{name}'; its tables are: {have}{nearest(name, names)}")
+    return unpacked(files[_file(name)], f"{what}: {_file(name)}")
+
+
+def replaced(files: Mapping[str, bytes], name: str, columns: Mapping[str, np.ndarray], what: str) -> dict[str, bytes]:
+    """Return the files of an FMU with other numbers in one of its tables, which has the same columns as before."""
+    from lxml import etree
+
+    before = read(files, name, what)
+    forms = [[(label, column.ndim) for label, column in of.items()] for of in (columns, before)]
+    if forms[0] != forms[1]:
+        told = (", ".join(f"'{label}'" for label, _ in form) for form in forms)
+        raise NavfmuError("{}: table '{}' would have the columns {}; expected {}".format(what, name, *told))
+    files = {**files, _file(name): packed(columns)}
+    digest = hashlib.sha256(b"".join(files[_file(each)] for each in known(files))).hexdigest()
+    root = parse(files[DESCRIPTION], f"{what}: {DESCRIPTION}")
+    root.set("guid", f"{root.get('guid').split('.')[0]}.{digest[:16]}")
+    files[DESCRIPTION] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return files
+
+
+def _file(name: str) -> str:
+    return f"{FOLDER}/{name}{SUFFIX}"
