@@ -43,8 +43,8 @@ class Compiled:
 
 
 def traced(function: Callable, arguments: Sequence[Any], whole: int | None = None) -> Compiled:
-    """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements are
-    kept whole, and the functions of its module are called.
+    """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements
+    are kept whole, and the functions of its module are called.
     """
     with trace.tracing(), extent(Extent(whole=whole)):
         symbols, first = [], 0

@@ -1,7 +1,8 @@
 """What one NumPy call computes as a whole: the kinds of :class:`~navfmu.export.graph.Array`.
 
-An array node reads its operands and gives its numbers in C order; in which order it adds and multiplies is said with each
-kind and does not depend on sizes, so that it makes no difference to any bit whether something is kept whole or not.
+An array node reads its operands and gives its numbers in C order; in which order it adds and multiplies is said with
+each kind and does not depend on sizes, so that it makes no difference to any bit whether something is kept whole or
+not.
 
 =============  =========================================================================================
 ``Pack``       its operands one after the other
@@ -23,39 +24,8 @@ from typing import Any
 import numpy as np
 
 from navfmu.export.extent import current
-from navfmu.export.graph import Array, Node, element, in_order
+from navfmu.export.graph import Array, Node, Operand, element, in_order
 from navfmu.export.rules import Scalar, expression, is_boolean, is_whole
-
-
-class Operand:
-    """What an array node reads: ``size`` numbers, ``source[places[i]]``, or one number for all its places.
-
-    ``source`` is the name of a vector, an Array, constants as a NumPy array, or, where ``places`` is None, the Node of the
-    one number.
-    """
-
-    __slots__ = ("places", "size", "source")
-
-    def __init__(self, source: str | Node | np.ndarray, places: np.ndarray | None, size: int) -> None:
-        self.source, self.places, self.size = source, places, size
-
-    def strides(self, shape: Sequence[int]) -> list[int] | None:
-        """Return by how much the place moves along each axis of a shape; None where that is no fixed number."""
-        assert self.places is not None
-        grid = self.places.reshape(shape)
-        steps, affine = [], np.array(grid.flat[0])
-        for axis, n in enumerate(shape):
-            corner = [0] * len(shape)
-            corner[axis] = min(1, n - 1)
-            step = int(grid[tuple(corner)] - grid.flat[0])
-            steps.append(step)
-            affine = affine[..., None] + step * np.arange(n)
-        return steps if np.array_equal(affine, grid) else None
-
-    @property
-    def contiguous(self) -> bool:
-        """Whether these are elements of a source one after the other."""
-        return self.places is not None and bool(np.all(np.diff(self.places) == 1))
 
 
 @dataclass(frozen=True)
@@ -98,7 +68,8 @@ class Run:
 
 @dataclass(frozen=True)
 class Product:
-    """``(rows, inner)`` times ``(inner, columns)``; each sum begins at 0.0 and goes from the first product to the last."""
+    """``(rows, inner)`` times ``(inner, columns)``; each sum begins at 0.0 and goes from the first product to the
+    last."""
 
     rows: int
     inner: int

@@ -1,15 +1,15 @@
 """Functions of the model that are called with arrays: where arrays are kept whole, each is traced once and called.
 
-A function is compiled for arguments of certain shapes and kinds and certain constants; the same ones again are a call of
-the same code. What cannot be a call (a function that changes its arguments, is given an object, or decides by a value
-that is known only where it is called) is traced in its place, as if it stood there.
+A function is compiled for arguments of certain shapes and kinds and certain constants; the same ones again are a call
+of the same code. What cannot be a call (a function that changes its arguments, is given an object, or decides by a
+value that is known only where it is called) is traced in its place, as if it stood there.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import wraps
 from types import FunctionType, ModuleType
@@ -17,11 +17,13 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.errors import NavfmuError
 from navfmu.export import arrays
 from navfmu.export.extent import TooLong, current, shortest
 from navfmu.export.graph import Array, Node, element
 from navfmu.export.graph import number as constant
 from navfmu.export.rules import Scalar, expression
+from navfmu.export.traced import Traced, expressions, symbols, type_of
 
 #: A function of fewer operations is not worth a call.
 _FEW = 24
@@ -68,8 +70,6 @@ def recorded(function: FunctionType) -> Callable:
 
 
 def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
-    from navfmu.export.trace import Traced
-
     leaves: list[Any] = []
     tree = _taken((args, kwargs), leaves)
     if not leaves:
@@ -105,27 +105,25 @@ def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
 
 def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
     """Trace a function with symbols in place of its arguments; None if it has to be traced where it is called."""
-    from navfmu.errors import NavfmuError
-    from navfmu.export import trace
 
     def run() -> tuple[list[Node], Any]:
         serial = iter(range(1_000_000))
 
-        def symbols(given: _Given, _: int) -> Any:
-            vector = trace.symbols(f"p{next(serial)}", given.kind * math.prod(given.shape))
+        def parameter(given: _Given, _: int) -> Any:
+            vector = symbols(f"p{next(serial)}", given.kind * math.prod(given.shape))
             if given.lone:
                 return vector.view(np.ndarray)[0]
             vector = vector.reshape(given.shape)
             vector.setflags(write=False)
             return vector
 
-        args, kwargs = _given(tree, symbols)
+        args, kwargs = _given(tree, parameter)
         before = _held(args), _held(kwargs)
         leaves: list[Any] = []
         result = _taken(function(*args, **kwargs), leaves)
         if before != (_held(args), _held(kwargs)):
             raise _NoCall
-        return [node for leaf in leaves for node in trace.expressions(leaf)], result
+        return [node for leaf in leaves for node in expressions(leaf)], result
 
     try:
         (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, _MOST)
@@ -176,8 +174,6 @@ class _Container:
 
 def _taken(tree: Any, leaves: list[Any]) -> Any:
     """Return a tree that can be a key, with what is traced in it replaced; that is appended to the leaves."""
-    from navfmu.export.trace import Traced
-
     if isinstance(tree, Traced | Scalar):
         leaves.append(tree)
         if isinstance(tree, Scalar):
@@ -185,8 +181,8 @@ def _taken(tree: Any, leaves: list[Any]) -> Any:
         elements = tree.view(np.ndarray).ravel().tolist()
         if not any(type(e) is Scalar for e in elements):
             leaves.pop()
-            return _taken(np.array(elements, _type(elements)).reshape(tree.shape), leaves)
-        kind = {float: "f", int: "i", bool: "b"}[_type(elements)]
+            return _taken(np.array(elements, type_of(elements)).reshape(tree.shape), leaves)
+        kind = {float: "f", int: "i", bool: "b"}[type_of(elements)]
         return _Given(tree.shape, kind, False)
     if tree is None or isinstance(tree, bool | int | float | str | FunctionType | type | slice) or tree is Ellipsis:
         return _Number(type(tree), repr(tree)) if isinstance(tree, float) else _Plain(type(tree), tree)
@@ -209,14 +205,6 @@ class _Plain:
 class _Number:
     type: type
     text: str
-
-
-def _type(elements: Sequence[Any]) -> type:
-    from navfmu.export.rules import is_boolean, is_whole
-
-    if not elements or not all(map(is_whole, elements)):
-        return float
-    return bool if all(map(is_boolean, elements)) else int
 
 
 def _given(tree: Any, filled: Callable[[_Given, int], Any]) -> Any:

@@ -67,8 +67,8 @@ def shortest(
 ) -> tuple[Any, Extent]:
     """Call a function that traces: with single numbers, and if that gets long once more with arrays as wholes.
 
-    ``functions`` are those that were recorded as calls so far, for all that becomes one model. Returns what it returned,
-    and the extent that it needed.
+    ``functions`` are those that were recorded as calls so far, for all that becomes one model. Returns what it
+    returned, and the extent that it needed.
     """
     with extent(Extent(most)) as used:
         try:
@@ -80,6 +80,6 @@ def shortest(
             return function(), used
         except TooLong:
             raise NavfmuError(
-                f"{what} has more than {LIMIT} operations on single numbers; write loops over elements as operations on "
-                "arrays, and what is repeated as a function of the module, which is compiled once"
+                f"{what} has more than {LIMIT} operations on single numbers; write loops over elements as operations "
+                "on arrays, and what is repeated as a function of the module, which is compiled once"
             ) from None

@@ -5,8 +5,8 @@ A :class:`Node` is one number. Its ``op`` says which:
 ``"number"``
     a constant; ``of`` is its value.
 ``"element"``
-    an element of a vector that the function reads, or of an :class:`Array`; ``of`` is the vector's name or the Array, and
-    the place.
+    an element of a vector that the function reads, or of an :class:`Array`; ``of`` is the vector's name or the Array,
+    and the place.
 one of :data:`OPERATIONS`
     an operation of C on doubles; ``of`` are the nodes of its operands.
 
@@ -22,10 +22,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Container, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from navfmu.export.arrays import Operand
+import numpy as np
 
 #: What can be done: operation -> C expression.
 OPERATIONS = {
@@ -63,6 +62,37 @@ class Node:
 
     def __init__(self, op: str, *of: object) -> None:
         self.op, self.of = op, of
+
+
+class Operand:
+    """What an array node reads: ``size`` numbers, ``source[places[i]]``, or one number for all its places.
+
+    ``source`` is the name of a vector, an Array, constants as a NumPy array, or, where ``places`` is None, the Node of
+    the one number.
+    """
+
+    __slots__ = ("places", "size", "source")
+
+    def __init__(self, source: str | Node | np.ndarray, places: np.ndarray | None, size: int) -> None:
+        self.source, self.places, self.size = source, places, size
+
+    def strides(self, shape: Sequence[int]) -> list[int] | None:
+        """Return by how much the place moves along each axis of a shape; None where that is no fixed number."""
+        assert self.places is not None
+        grid = self.places.reshape(shape)
+        steps, affine = [], np.array(grid.flat[0])
+        for axis, n in enumerate(shape):
+            corner = [0] * len(shape)
+            corner[axis] = min(1, n - 1)
+            step = int(grid[tuple(corner)] - grid.flat[0])
+            steps.append(step)
+            affine = affine[..., None] + step * np.arange(n)
+        return steps if np.array_equal(affine, grid) else None
+
+    @property
+    def contiguous(self) -> bool:
+        """Whether these are elements of a source one after the other."""
+        return self.places is not None and bool(np.all(np.diff(self.places) == 1))
 
 
 class Array(Node):
@@ -117,9 +147,11 @@ def in_order(results: Iterable[Node], known: Container[Node] = ()) -> list[Node]
 
 
 def settled(results: Iterable[Node], constant: Callable[[Node], bool]) -> dict[Node, int]:
-    """Return what can be calculated once, before any of the results is: the operations and arrays that depend on constant
-    elements only and that the results or others of their operations use. Each has the place of its (first) number,
-    counted from 0; equal operations have one."""
+    """Return what can be calculated once, before any of the results is.
+
+    These are the operations and arrays that depend on constant elements only and that the results or others of their
+    operations use. Each has the place of its (first) number, counted from 0; equal operations have one.
+    """
     results = list(results)
     still: dict[Node, bool] = {}
     same: dict[tuple, Node] = {}  # what a node is -> the first that is so

@@ -8,8 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from navfmu.export.arrays import Call, Fold, Map, Operand, Pack, Product, Routine, Run
-from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, depends, in_order
+from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Routine, Run
+from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand, depends, in_order
 
 #: What stands somewhere already: a number, or the first one of an array, as a vector's name and a place.
 Known = Mapping[Node, tuple[str, int]]
@@ -22,8 +22,8 @@ def c_function(
 ) -> str:
     """Return a C function of the vectors and ``double *r`` that sets ``r[i]`` to ``results[i]``.
 
-    The nodes that are ``known`` are read and not calculated; vectors of one number that are among ``values`` are passed as
-    such.
+    The nodes that are ``known`` are read and not calculated; vectors of one number that are among ``values`` are passed
+    as such.
     """
     arguments = [f"double {v}" if v in values else f"const double *restrict {v}" for v in vectors]
     head = f"static void {function}({', '.join([*arguments, 'double *restrict r'])}) {{"
@@ -64,8 +64,10 @@ def _plus(text: str, place: int) -> str:
 
 
 def _operation(node: Node, texts: Mapping[Node, str], truths: Container[str]) -> str:
-    """Return the C expression of an operation. Truth values are ints, and doubles where one calculates with them; two of
-    them are combined without a jump."""
+    """Return the C expression of an operation.
+
+    Truth values are ints, and doubles where one calculates with them; two of them are combined without a jump.
+    """
     tells = (0,) if node.op == "where" else TRUTHS.get(node.op, ())
     true = [texts[n] in truths for n in node.of]
     operands = [
@@ -472,7 +474,7 @@ class _Grid:
 
 
 def _fused(order: Sequence[Node], whole: Sequence[Array]) -> set:
-    """Return the maps that are calculated within the one map that reads them, place by place, and are stored nowhere."""
+    """Return the maps that are calculated within the one map that reads them and stored nowhere."""
     users: dict[Node, list[Node]] = {}
     for node in order:
         for used in depends(node):
@@ -492,9 +494,10 @@ def _fused(order: Sequence[Node], whole: Sequence[Array]) -> set:
 
 
 def _calls_first(nodes: list[Node], known: Container[Node]) -> list[Node]:
-    """Return nodes in another valid order: the functions of the C library as early as they can be called, and before
-    each only what it needs. A call destroys all registers: what was calculated before it and is used after it goes to
-    memory and back."""
+    """Return nodes in another valid order: calls of the C library early, before each only what it needs.
+
+    A call destroys all registers: what was calculated before it and is used after it goes to memory and back.
+    """
 
     def operands(node: Node) -> tuple:
         return node.of if node.op in OPERATIONS and node not in known else ()

@@ -10,9 +10,10 @@ from evidence.compiled import compiled
 from evidence.drawn import INPUTS, draw, numbers
 from evidence.functions import FUNCTIONS
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Input, Output, Parameter, State, every, start, trace
+from navfmu.export import Component, Input, Output, Parameter, State, every, functions, start, ufuncs
 from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
+from navfmu.export.rules import RULES
 
 from .slave import ERROR, OK, Slave, Unzipped
 
@@ -29,12 +30,12 @@ def test_thousand_drawn_expressions_are_in_c_what_they_are_in_numpy():
 
 def test_all_that_can_be_traced_is_drawn(monkeypatch):
     used = set()
-    ufunc, function = trace._ufunc, trace._function
-    monkeypatch.setattr(trace, "_ufunc", lambda of, *rest: (used.add(of), ufunc(of, *rest))[1])
-    monkeypatch.setattr(trace, "_function", lambda of, *rest: (used.add(of), function(of, *rest))[1])
+    ufunc, function = ufuncs.apply, functions.apply
+    monkeypatch.setattr(ufuncs, "apply", lambda of, *rest: (used.add(of), ufunc(of, *rest))[1])
+    monkeypatch.setattr(functions, "apply", lambda of, *rest: (used.add(of), function(of, *rest))[1])
     for i in range(COUNT):
         draw([SEED, i]).traced()
-    missing = {*trace.RULES, *trace.FUNCTIONS, *trace.STRUCTURAL} - used
+    missing = {*RULES, *functions.FUNCTIONS, *functions.STRUCTURAL} - used
     assert {f.__name__ for f in missing} <= set()
 
 
@@ -48,7 +49,7 @@ WRONG = [(np.maximum, np.fmax, "max"), (np.floor, np.ceil, "floor"), (np.exp, np
 
 @pytest.mark.parametrize("ufunc, wrong, word", WRONG)
 def test_a_rule_that_is_wrong_is_found_and_shown_as_source(ufunc, wrong, word, monkeypatch):
-    monkeypatch.setitem(trace.RULES, ufunc, trace.RULES[wrong])
+    monkeypatch.setitem(RULES, ufunc, RULES[wrong])
     found = expressions.check(400, SEED)
     assert found.differences
     one = next(text for text in found.differences if word in text.partition("\nwith\n")[0])  # np.max is maximum, too

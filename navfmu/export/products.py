@@ -1,0 +1,73 @@
+"""Products of traced matrices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from navfmu.export import arrays
+from navfmu.export.extent import current
+from navfmu.export.rules import add, is_whole, refuse
+from navfmu.export.traced import Traced, as_numbers, built, filled, is_kept_whole, objects, type_of
+
+
+def product(function: Callable, a: Any, b: Any) -> Any:
+    a, b = objects(a), objects(b)
+    if type_of(a) is type_of(b) is bool:
+        refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
+    if current().whole is not None and a.ndim and b.ndim:
+        return _MATRICES[function](a, b)
+    return _multiply(function, a, b)
+
+
+def _multiply(function: Callable, a: np.ndarray, b: np.ndarray) -> Traced:
+    products = objects(function(a.view(np.ndarray), b.view(np.ndarray)))
+    sums = as_numbers(products.ravel().tolist())
+    return built(products.shape, [e if is_whole(e) else add(0.0, e) for e in sums])  # sums begin at 0.0
+
+
+def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
+    """Product of two matrices, in one node if it is large."""
+    (rows, inner), columns = a.shape, b.shape[1]
+    if inner != len(b) or not is_kept_whole(rows * inner * columns // (current().whole or 1)):
+        return _multiply(np.matmul, a, b)
+    elements = arrays.multiplied(as_numbers(a.ravel().tolist()), as_numbers(b.ravel().tolist()), rows, inner, columns)
+    return filled((rows, columns), elements)
+
+
+def _matmul(a: np.ndarray, b: np.ndarray) -> Traced:
+    first, second = a[None] if a.ndim == 1 else a, b[:, None] if b.ndim == 1 else b
+    stack = np.broadcast_shapes(first.shape[:-2], second.shape[:-2])
+    pairs = [np.broadcast_to(x, stack + x.shape[-2:]).reshape(-1, *x.shape[-2:]) for x in (first, second)]
+    products = [_matrix_product(x, y) for x, y in zip(*pairs, strict=True)]
+    shape = stack + first.shape[-2 : -1 if a.ndim > 1 else -2] + second.shape[-1 if b.ndim > 1 else second.ndim :]
+    return filled(shape, [e for product in products for e in product.ravel().tolist()])
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> Traced:
+    columns = np.moveaxis(b, -2, 0) if b.ndim > 1 else b[:, None]
+    shape = a.shape[:-1] + (b.shape[:-2] + b.shape[-1:] if b.ndim > 1 else ())
+    return _matrix_product(a.reshape(-1, a.shape[-1]), columns.reshape(len(columns), -1)).reshape(shape)
+
+
+def _inner(a: np.ndarray, b: np.ndarray) -> Traced:
+    product = _matrix_product(a.reshape(-1, a.shape[-1]), b.reshape(-1, b.shape[-1]).T)
+    return product.reshape(a.shape[:-1] + b.shape[:-1])
+
+
+_MATRICES: dict[Callable, Callable] = {np.matmul: _matmul, np.dot: _dot, np.inner: _inner}
+
+
+def tensordot(a: Any, b: Any, axes: Any = 2) -> Any:
+    a, b = np.asarray(a), np.asarray(b)
+    if np.ndim(axes) == 0:
+        axes = range(a.ndim - axes, a.ndim), range(axes)
+    ours, theirs = ([int(i) % x.ndim for i in np.atleast_1d(list(axis))] for axis, x in zip(axes, (a, b), strict=True))
+    kept = [[i for i in range(x.ndim) if i not in gone] for x, gone in ((a, ours), (b, theirs))]
+    first, second = np.transpose(a, kept[0] + ours), np.transpose(b, theirs + kept[1])
+    shape = first.shape[: len(kept[0])] + second.shape[len(theirs) :]
+    inner = math.prod(first.shape[len(kept[0]) :])
+    return np.dot(first.reshape(-1, inner), second.reshape(inner, -1)).reshape(shape)

@@ -1,0 +1,249 @@
+"""Traced arrays: an ``ndarray`` of dtype object whose elements are Python numbers (constants) or :class:`Scalar`.
+
+:class:`Traced` answers NumPy's own protocols, ``__array_ufunc__`` (``ufuncs.py``) and ``__array_function__``
+(``functions.py``), so a model that knows nothing of tracing traces as it stands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from navfmu.export import arrays, graph
+from navfmu.export.extent import current
+from navfmu.export.graph import Node
+from navfmu.export.rules import Scalar, expression, is_boolean, is_whole, number, refuse, scalar_power, truth, whole
+
+
+def unwrapped(element: Any) -> Any:
+    if isinstance(element, np.generic):
+        return element.item()
+    if isinstance(element, np.ndarray) and element.ndim == 0:
+        return unwrapped(element.item())
+    return element
+
+
+def objects(x: Any) -> np.ndarray:
+    """Return ``x`` as a base-class object array of Python numbers and Scalars."""
+    if isinstance(x, np.ndarray):
+        if x.dtype != object:
+            return x.astype(object).view(np.ndarray)
+        array = x.view(np.ndarray)
+    else:
+        array = _ARRAY(x, dtype=object)
+    if any(isinstance(e, np.generic | np.ndarray) for e in array.ravel().tolist()):
+        return built(array.shape, [unwrapped(e) for e in array.ravel().tolist()]).view(np.ndarray)
+    return array
+
+
+def uniform(elements: list) -> list:
+    """Return truth values only, whole numbers only or real numbers only: an array has one type."""
+    return elements if all(is_boolean(e) for e in elements) else as_numbers(elements)
+
+
+def as_numbers(elements: list) -> list:
+    """Return whole numbers only, or real numbers only."""
+    return [whole(e) for e in elements] if all(is_whole(e) for e in elements) else [number(e) for e in elements]
+
+
+def type_of(array: Any) -> type:
+    """Return the type that an array has in NumPy: bool, int or float."""
+    elements = objects(array).ravel().tolist()
+    if not elements or not all(is_whole(e) for e in elements):
+        return float
+    return bool if all(is_boolean(e) for e in elements) else int
+
+
+def _all_boolean(array: np.ndarray) -> bool:
+    return type_of(array) is bool
+
+
+def built(shape: tuple[int, ...], elements: list) -> Traced:
+    return filled(shape, uniform(elements))
+
+
+def filled(shape: tuple[int, ...], elements: list) -> Traced:
+    result = np.empty(len(elements), object)
+    for i, element in enumerate(elements):
+        result[i] = element
+    return result.reshape(shape).view(Traced)
+
+
+def wrapped(x: Any) -> Any:
+    if isinstance(x, Scalar):
+        return built((), [x])
+    if isinstance(x, np.ndarray):
+        return built(x.shape, objects(x).ravel().tolist()) if x.dtype == object else x
+    if isinstance(x, tuple | list):
+        return type(x)(wrapped(e) for e in x)
+    return x
+
+
+def contains_traced(x: Any) -> bool:
+    """Whether nested lists, tuples or arrays hold a traced value."""
+    if isinstance(x, Traced | Scalar):
+        return True
+    if isinstance(x, np.ndarray):
+        return x.dtype == object and any(isinstance(e, Scalar) for e in x.ravel().tolist())
+    return isinstance(x, list | tuple) and any(contains_traced(e) for e in x)
+
+
+def at_each_place(rule: Callable, columns: list[list], shape: tuple[int, ...]) -> Traced:
+    """Apply a rule at each place of columns of elements; in one node where arrays are kept whole."""
+    if is_kept_whole(math.prod(shape)):
+        return filled(shape, arrays.mapped(rule, columns, shape))
+    return built(shape, [rule(*elements) for elements in zip(*columns, strict=True)])
+
+
+def is_kept_whole(size: int) -> bool:
+    least = current().whole
+    return least is not None and size >= least
+
+
+def broadcast_columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:
+    """Return the elements of arrays that are broadcast to one shape, and that shape."""
+    given = [objects(x) for x in inputs]
+    shape = np.broadcast_shapes(*[a.shape for a in given])
+    return [np.broadcast_to(a, shape).ravel().tolist() for a in given], shape
+
+
+def _refused(name: str, remedy: str) -> Callable:
+    return lambda self, *args, **kwargs: refuse(f".{name}() depends on values and cannot be traced", remedy)
+
+
+class Traced(np.ndarray):
+    """An array of traced numbers; see the module's first lines."""
+
+    __array_priority__ = 1000.0
+
+    def __getitem__(self, key: Any) -> Any:
+        if contains_traced(key):
+            refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
+        result = super().__getitem__(key)
+        return result if isinstance(result, Traced) else built((), [result])
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if not self.flags.writeable:
+            refuse("a variable's array is read-only", "assign a whole new array: self.x = np.array([...])")
+        if contains_traced(key):
+            refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
+        value = objects(value)
+        value = value.view(Traced).astype(type_of(self)).view(np.ndarray)
+        super().__setitem__(key, value.item() if value.ndim == 0 else value)
+
+    def __iter__(self) -> Iterator[Traced]:
+        return (self[i] for i in range(len(self)))
+
+    def _only(self) -> Any:
+        if self.size != 1:
+            raise TypeError("only arrays of one element can be converted to a Python number")
+        return self.reshape(-1).view(np.ndarray)[0]
+
+    def __bool__(self) -> bool:
+        return bool(self._only())
+
+    def __float__(self) -> float:
+        return float(self._only())
+
+    def __int__(self) -> int:
+        return int(self._only())
+
+    def __index__(self) -> int:
+        return self._only().__index__()
+
+    def __complex__(self) -> complex:
+        return complex(self._only())
+
+    def __round__(self, digits: int | None = None) -> Traced:
+        return self.round(digits or 0).astype(int if digits is None else float)
+
+    def __hash__(self) -> int:
+        refuse("a traced value cannot be a key of a dict or set", "select with np.where")
+
+    def astype(self, dtype: Any, *args: Any, **kwargs: Any) -> Traced:
+        """Convert between truth values, whole numbers and real numbers."""
+        kind = np.dtype(dtype).kind
+        elements = self.ravel().tolist()
+        if kind == "b":
+            return at_each_place(truth, [elements], self.shape)
+        if np.dtype(dtype) not in (np.float64, np.int64):
+            refuse(f"numbers of type {np.dtype(dtype)} are not traced", "use float, int or bool")
+        if kind == "f":
+            return built(self.shape, [number(e) for e in elements])
+        if all(is_whole(e) for e in elements):
+            return built(self.shape, [whole(e) for e in elements])
+        return np.where(np.abs(self) < 2.0**63, whole_numbers(np.trunc(self)), -(2**63))  # as x86 does, for NaN too
+
+    def __pow__(self, exponent: Any) -> Traced:
+        if self.ndim or np.ndim(exponent) or isinstance(exponent, Traced):
+            return np.power(self, exponent)
+        return built((), [scalar_power(self._only(), unwrapped(exponent))])
+
+    def dot(self, other: Any) -> Traced:
+        """Matrix product."""
+        return np.dot(self, other)
+
+    def mean(self, axis: Any = None, keepdims: bool = False) -> Traced:
+        """Sum divided by the number of elements."""
+        return np.mean(self, axis=axis, keepdims=keepdims)
+
+    def round(self, decimals: int = 0, out: None = None) -> Traced:
+        """Nearest whole numbers, halves to even."""
+        if decimals or out is not None:
+            refuse("rounding to decimals is not traced", "scale, then np.rint")
+        return self if type_of(self) is int else np.rint(self)
+
+    argmax = _refused("argmax", "select with np.where")
+    argmin = _refused("argmin", "select with np.where")
+    argsort = _refused("argsort", "order with np.minimum and np.maximum")
+    sort = _refused("sort", "order with np.minimum and np.maximum")
+    nonzero = _refused("nonzero", "select with np.where")
+    searchsorted = _refused("searchsorted", "look the row up with a Table")
+
+
+_ARRAY = np.array
+
+
+def symbols(vector: str, kinds: str, first: int = 0) -> Traced:
+    """Return elements of a vector, from ``first`` on, as a traced array; ``kinds`` has a letter for each: real "f",
+    whole "i" or truth value "b".
+    """
+    return filled((len(kinds),), [Scalar(graph.element(vector, first + i), kind) for i, kind in enumerate(kinds)])
+
+
+def whole_numbers(array: Any) -> Traced:
+    """Return numbers that have no fractions as NumPy's integers."""
+    return at_each_place(
+        lambda e: e if type(e) is float else whole(e), [objects(array).ravel().tolist()], np.shape(array)
+    )
+
+
+def routine(
+    name: str,
+    operands: Iterable[Any],
+    shape: tuple[int, ...],
+    kind: str = "f",
+    numbers: tuple[int, ...] = (),
+    before: tuple[str, ...] = (),
+) -> Traced:
+    """Return an array of this shape that a C function of the runtime calculates: ``name(*before, *numbers, *operands,
+    r)``.
+
+    An operand is ``const double *`` with its elements in C order, or ``double`` if it has no axes; ``numbers`` are
+    ints, and ``before`` are texts, names of what the function of a task is given. ``r`` is the result. Whether it is
+    called, and how often, must make no difference: it only calculates.
+    """
+    given = [objects(x) for x in operands]
+    columns = [as_numbers(x.ravel().tolist()) for x in given]
+    read = [arrays.block(c) if x.ndim else arrays.operand(c) for x, c in zip(given, columns, strict=True)]
+    values = frozenset(k for k, x in enumerate(given) if not x.ndim)
+    how = arrays.Routine(name, tuple(numbers), tuple(before), values)
+    return filled(shape, arrays.elements(graph.Array(how, math.prod(shape), read), kind))
+
+
+def expressions(array: Any) -> list[Node]:
+    """Return the nodes of the elements of an array, in C order."""
+    return [expression(e) for e in objects(array).ravel().tolist()]
