@@ -86,6 +86,12 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         ),
     )
     access = (text for v in model.variables for text in [_access(v)] * v.size)
+    texts, text_bytes = [], 0
+    for variable in model.variables:
+        for text in variable.texts:
+            texts.append(f"{{{_text(text)}, {variable.longest}, {text_bytes}}}")
+            text_bytes += variable.longest + 1
+    yield from _array("Text", "model_texts", texts)
     yield from _array("unsigned short", "model_access", access)
     inputs = continuous_inputs(model)
     yield from _array("int", "model_inputs", inputs)
@@ -126,6 +132,9 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "tasks": "model_tasks",
         "check_count": len(model.checks),
         "checks": "model_checks",
+        "text_count": len(texts),
+        "text_bytes": text_bytes,
+        "texts": "model_texts",
         "clock_count": len(ticking),
         "clocks": "model_clocks",
         "table_count": len(model.tables),

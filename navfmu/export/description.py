@@ -270,7 +270,7 @@ def _variable(element: ir.Element) -> Iterable[str]:
     attributes = {
         "name": element.name,
         "valueReference": element.index,
-        "description": _one_line(variable.description) or None,
+        "description": _one_line(variable.description + _bound(variable)) or None,
         "causality": variable.causality,
         "variability": variable.variability,
         "initial": variable.initial,
@@ -278,10 +278,10 @@ def _variable(element: ir.Element) -> Iterable[str]:
     yield "    " + _tag("ScalarVariable", attributes)
     real, integer = variable.type == "Real", variable.type == "Integer"
     starts = variable.initial != "calculated"
-    convert = {"Real": float, "Integer": round, "Boolean": bool}[variable.type]
+    convert = {"Real": float, "Integer": round, "Boolean": bool, "String": lambda _: variable.texts[element.number]}
 
-    def number(value: float | None) -> float | int | bool | None:
-        return None if value is None else convert(value)
+    def number(value: float | None) -> float | int | bool | str | None:
+        return None if value is None else convert[variable.type](value)
 
     value = {
         "declaredType": variable.enumeration.name if variable.enumeration else None,
@@ -297,6 +297,11 @@ def _variable(element: ir.Element) -> Iterable[str]:
     if variable.fault:
         yield '      <Annotations><Tool name="navfmu"><fault/></Tool></Annotations>'
     yield "    </ScalarVariable>"
+
+
+def _bound(variable: ir.Variable) -> str:
+    """What FMI 2.0 has no attribute for."""
+    return f" (at most {variable.longest} bytes)" if variable.type == "String" else ""
 
 
 def _structure(model: ir.Model) -> Iterable[str]:

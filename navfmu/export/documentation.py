@@ -97,11 +97,17 @@ def _row(variable: ir.Variable) -> dict[str, Any]:
     first, last = variable.elements()[0], variable.elements()[-1]
     subscripts = f"{first.subscript}…{last.subscript}" if variable.shape else ""
     unit = variable.unit or ("Enumeration" if variable.enumeration else variable.type.replace("Real", ""))
-    starts = ["calculated"] if variable.initial == "calculated" else [_value(variable, x) for x in variable.start]
+    starts = (
+        ["calculated"]
+        if variable.initial == "calculated"
+        else [*variable.texts] or [_value(variable, x) for x in variable.start]
+    )
     start = starts[0] if len(set(starts)) == 1 else ", ".join(starts[:8]) + (", …" if len(starts) > 8 else "")
     limits = ""
     if first.min is not None or first.max is not None:
         limits = " … ".join("" if value is None else _value(variable, value) for value in (first.min, first.max))
+    if variable.type == "String":
+        limits = f"at most {variable.longest} bytes"
     if variable.enumeration:
         limits = ", ".join(f"{name} = {number}" for name, number in variable.enumeration.items)
     tunable = variable.causality == "parameter" and variable.variability == "tunable"

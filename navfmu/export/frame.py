@@ -41,6 +41,10 @@ class Frame:
 
     def read(self, name: str) -> Any:
         """Return the value a variable has now in this task."""
+        if self.layout.fields[name].type == "String":
+            self.fail(
+                f"'{name}' is a string, which names something for hosts and tables; a task calculates with numbers"
+            )
         if name not in self.current:
             self.current[name] = self.load(self.layout.fields[name])
         return self.current[name]

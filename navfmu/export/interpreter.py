@@ -25,6 +25,7 @@ from navfmu.export.life import State
 from navfmu.export.noise import Normals
 from navfmu.export.numbers import Numbers
 from navfmu.export.task import TaskDeclaration
+from navfmu.export.text import size
 
 _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
 #: The times that belong to the state.
@@ -204,6 +205,7 @@ class Interpreter:
     def reset(self) -> None:
         """Return to the state after construction."""
         self.values = start_values(self.layout)
+        self.texts = [text for variable in self.variables for text in variable.texts]
         self.time = self.start_time = 0.0
         self.stop_time = math.inf
         self.elapsed = 0.0  # since the start: the sum of all steps,
@@ -286,7 +288,7 @@ class Interpreter:
         return element
 
     def get(self, name: str | int) -> Any:
-        """Return a value as float, int or bool, or the array that a bare name means."""
+        """Return a value as float, int, bool or str, or the array that a bare name means."""
         references, shape = self._references(name)
         values = self.get_values(self._element(references[0]).variable.type, references)
         return np.array(values).reshape(shape) if shape else values[0]
@@ -294,20 +296,24 @@ class Interpreter:
     def set(self, name: str | int, value: Any) -> None:
         """Set an input or a parameter, or before initialisation ends the start value of an output or a state."""
         references, shape = self._references(name)
-        values = np.broadcast_to(np.asarray(value, float), shape).ravel().tolist()
-        self.set_values(self._element(references[0]).variable.type, references, values)
+        kind = self._element(references[0]).variable.type
+        values = np.broadcast_to(np.asarray(value, object if kind == "String" else float), shape).ravel().tolist()
+        self.set_values(kind, references, values)
 
     def get_values(self, kind: str, references: Sequence[int]) -> list[Any]:
-        """Return the values of variables of one type ("Real", "Integer", "Boolean")."""
+        """Return the values of variables of one type ("Real", "Integer", "Boolean", "String")."""
         if self._calculated and self.state == State.INITIALIZATION:
             self._preview()
         for reference in references:
             self._element(reference, kind)
-        convert = {"Real": float, "Integer": nearest_int, "Boolean": lambda x: bool(x != 0)}[kind]
+        convert = {"Real": float, "Integer": nearest_int, "Boolean": lambda x: bool(x != 0), "String": self._text}[kind]
         return [convert(self.values[reference]) for reference in references]
 
-    def set_values(self, kind: str, references: Sequence[int], values: Sequence[float]) -> None:
-        """Set variables of one type; the values of Integers are whole."""
+    def _text(self, number: float) -> str:
+        return self.texts[int(number)]
+
+    def set_values(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> None:
+        """Set variables of one type; the values of Integers are whole, those of Strings have bounds."""
         self._allow(f"fmi2Set{kind}")
         for reference, value in zip(references, values, strict=True):
             element = self._element(reference, kind)
@@ -316,6 +322,10 @@ class Interpreter:
                 self._refuse("NOT_SETTABLE", element.name, life.WHEN[self.state], life.why_not(states))
             if kind == "Integer" and not is_whole(value):
                 self._refuse("NOT_WHOLE", element.name, value)
+            if kind == "String" and not isinstance(value, str):
+                self._refuse("NO_TEXT", element.name)
+            if kind == "String" and size(value) > element.variable.longest:
+                self._refuse("TOO_LONG", element.name, size(value), element.variable.longest)
             if self.state == State.STEPPING and element.variable.causality == "parameter":
                 sentence = self._range_sentence(element, float(value))
                 if not sentence and reference in {clock.period for clock in self._ticking}:
@@ -324,7 +334,10 @@ class Interpreter:
                     raise NavfmuError(sentence)
         self._undo_preview()
         for reference, value in zip(references, values, strict=True):
-            self.values[reference] = value != 0 if kind == "Boolean" else value
+            if kind == "String":
+                self.texts[int(self.values[reference])] = value
+            else:
+                self.values[reference] = value != 0 if kind == "Boolean" else value
 
     def set_derivatives(self, references: Sequence[int], orders: Sequence[int], values: Sequence[float]) -> None:
         """Set derivatives of inputs for the coming step; it does not matter whether the values come before or after."""
@@ -345,6 +358,7 @@ class Interpreter:
             "component": self.layout.name,
             "build": self._build,
             "values": self.values.tolist(),
+            "texts": list(self.texts),
             "times": [getattr(self, name) for name in _TIMES],
             "steps": self.steps,
             "state": int(self.state),
@@ -358,7 +372,7 @@ class Interpreter:
         if (state.get("component"), state.get("build")) != (self.layout.name, self._build):
             self._refuse("OTHER_STATE", self.layout.name)
         self._before = None
-        self.values = np.array(state["values"], float)
+        self.values, self.texts = np.array(state["values"], float), list(state["texts"])
         for name, value in zip(_TIMES, state["times"], strict=True):
             setattr(self, name, value)
         self.steps, self.state = state["steps"], State(state["state"])

@@ -37,12 +37,13 @@ class Variable:
     """One declared variable, a scalar or an array of any number of dimensions.
 
     ``index`` is the place of its first number in ``v``, and its value reference; the others follow in C order.
-    ``start``, ``min`` and ``max`` have a number for each.
+    ``start``, ``min`` and ``max`` have a number for each. The texts of all Strings of a model are numbered from 0, and
+    the number of a String is that of its text.
     """
 
     index: int
     name: str  # "reading.rate"
-    type: str  # "Real", "Integer", "Boolean"
+    type: str  # "Real", "Integer", "Boolean", "String"
     causality: str  # "input", "output", "parameter", "local"
     variability: str  # "fixed", "tunable", "discrete", "continuous"
     initial: str | None  # "exact", "calculated" or None (inputs)
@@ -58,6 +59,8 @@ class Variable:
     fault: bool = False  # an input that exists to inject a physical fault
     difference: bool = False  # between two values of its quantity: without an origin
     enumeration: Enumeration | None = None  # of an Integer that is one
+    texts: tuple[str, ...] = ()  # of a String: its start values
+    longest: int = 0  # and how many bytes of UTF-8 each has at most
 
     @property
     def size(self) -> int:

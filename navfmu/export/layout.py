@@ -135,7 +135,7 @@ class Layout:
             causality=causality,
             variability=variability,
             initial=None if causality == "input" else "exact",
-            start=tuple(declared.start.tolist()),
+            start=tuple(map(float, self._text_numbers(declared))) if declared.texts else tuple(declared.start.tolist()),
             shape=declared.shape,
             unit=declared.unit if declared.kind == "real" else None,
             display_unit=declared.display_unit,
@@ -147,8 +147,14 @@ class Layout:
             fault=declared.fault,
             difference=declared.difference,
             enumeration=self._enumeration(declared),
+            texts=tuple(declared.texts),
+            longest=declared.longest,
         )
         self.size += variable.size
+
+    def _text_numbers(self, declared: Variable) -> range:
+        first = sum(len(variable.texts) for variable in self.fields.values())
+        return range(first, first + len(declared.texts))
 
     def _enumeration(self, declared: Variable) -> ir.Enumeration | None:
         """Return the type of an enumeration: the class of its items, or one that is named after the variable."""
@@ -201,6 +207,8 @@ class Layout:
             for name in requirement.names:
                 if self.index(name) is None:
                     self.fail(f"the sentence names '{name}', unknown{nearest(name, self._indices)}", requirement.place)
+                if self.elements[self.index(name)].variable.type == "String":
+                    self.fail(f"the sentence names '{name}', which is a string; it shows numbers", requirement.place)
 
     def _check_time(self, what: str, name: str | None) -> None:
         """Refuse a period or an offset that is no time which the user sets."""

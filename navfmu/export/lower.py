@@ -22,7 +22,7 @@ from navfmu.export.numbers import Numbers
 from navfmu.export.place import is_foreign
 from navfmu.export.task import TaskDeclaration
 
-_KINDS = {"Real": "f", "Integer": "i", "Boolean": "b"}
+_KINDS = {"Real": "f", "Integer": "i", "Boolean": "b", "String": "i"}
 
 
 class TraceFrame(Frame):

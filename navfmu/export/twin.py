@@ -191,6 +191,10 @@ class {component}Slave(Fmi2Slave):
         return self.run.get_values("Boolean", vrs)
 
     @_told
+    def get_string(self, vrs):
+        return self.run.get_values("String", vrs)
+
+    @_told
     def set_real(self, vrs, values):
         self.run.set_values("Real", vrs, values)
 
@@ -201,6 +205,10 @@ class {component}Slave(Fmi2Slave):
     @_told
     def set_boolean(self, vrs, values):
         self.run.set_values("Boolean", vrs, values)
+
+    @_told
+    def set_string(self, vrs, values):
+        self.run.set_values("String", vrs, values)
 
     def _get_fmu_state(self):
         return self.run.get_state()

@@ -10,9 +10,10 @@ import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.place import check_text, place
+from navfmu.export.text import LONGEST, texts
 
 #: By kind: the type that a variable has for everybody who sets, connects or calculates with it.
-TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Integer", "string": "String"}
 
 
 class Variable:
@@ -22,6 +23,9 @@ class Variable:
 
     An enumeration has ``items``: names, which are numbered from 1, or an ``IntEnum`` without gaps. Its value is the
     number of an item, and it starts with the first one; ``start`` takes a name, too.
+
+    A string is a fixed parameter that names something, a station or a file in resources; it has at most ``longest``
+    bytes in UTF-8. Tasks do not see it.
     """
 
     causality = ""
@@ -37,6 +41,7 @@ class Variable:
         description: str = "",
         kind: str = "real",
         items: type[IntEnum] | Sequence[str] | None = None,
+        longest: int = LONGEST,
         fault: bool = False,
         tunable: bool = False,
         difference: bool = False,
@@ -68,6 +73,16 @@ class Variable:
         if self.items:
             kind, start = "integer", self._numbers_of_items(start)
             min, max = self._within_items(min, max)
+        self.texts: list[str] = []  # start values of a string
+        self.longest = longest if kind == "string" else 0
+        if kind == "string":
+            if not isinstance(self, Parameter) or tunable:
+                self.fail("a string is a fixed Parameter: it names something, and no task calculates it")
+            if self.unit is not None or not min is max is nominal is None:
+                self.fail("a string has no unit, no min, no max and no nominal")
+            self.texts, start = texts(start, self.shape, longest, self.place, self.fail), 0
+        elif longest != LONGEST:
+            self.fail('longest is for strings, kind="string"')
         self.kind, self.min, self.max, self.nominal = kind, min, max, nominal
         self.display_unit, self.description, self.fault, self.tunable = display_unit, description, fault, tunable
         self.difference = difference

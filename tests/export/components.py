@@ -221,3 +221,23 @@ class Modes(Component):
         held = np.where(self.command == 1, Lock.SEARCH, self.mode)
         self.mode = np.where(self.command == 3, self.mode + self.stride, held)
         self.seen = np.where(self.mode == Lock.TRACK, 1.0, np.where(self.mode == Lock.MEMORY, 0.5, 0.0))
+
+
+class Named(Component):
+    """A station that has a name."""
+
+    u = Input("m", description="input")
+    station = Parameter(kind="string", start="TUL", longest=8, description="name of the station")
+    others = Parameter(3, kind="string", start=("", "a b", "Zürich"), description="names of others")
+    gain = Parameter("1", start=1.0, min=0.0, max=2.0, description="gain")
+    sample_period = Parameter("s", start=0.1, description="sampling period")
+    begun = Output("1", description="an output that the start task calculates")
+    y = Output("m", description="output")
+
+    @start
+    def begin(self):
+        self.begun = 2.0 * self.gain
+
+    @every("sample_period")
+    def step(self):
+        self.y = self.gain * self.u

@@ -31,15 +31,17 @@ static void any_call(fmi2Component c, fmi2FMUstate *state, double *time) {
     fmi2ValueReference vr[MOST];
     double real[MOST];
     int whole[MOST], order[MOST];
-    fmi2String text[MOST] = {"", "", "", "", "", "", "", ""};
+    static const char *const texts[] = {"", "TUL", "eight by", "a text that is longer than its place", NULL};
+    fmi2String text[MOST];
     size_t count = draw(MOST + 1);
     for (size_t i = 0; i < MOST; i++) {
         vr[i] = draw(50) == 0 ? draw(0x7fffffff) * 2 : draw((unsigned)model.variable_count);
         real[i] = draw_value();
+        text[i] = texts[draw(sizeof texts / sizeof texts[0])];
         whole[i] = draw(3) ? (int)draw(10) : (int)(draw(0xffffffffu));
         order[i] = draw(10) ? 1 : (int)draw(3);
     }
-    switch (draw(22)) {
+    switch (draw(23)) {
         case 0: case 1: fmi2SetReal(c, vr, count, real); break;
         case 2: fmi2SetInteger(c, vr, count, whole); break;
         case 3: fmi2SetBoolean(c, vr, count, whole); break;
@@ -67,6 +69,10 @@ static void any_call(fmi2Component c, fmi2FMUstate *state, double *time) {
         case 15: if (draw(100) == 0) fmi2Terminate(c); break;
         case 16: fmi2GetRealStatus(c, fmi2LastSuccessfulTime, time); break;
         case 17: fmi2DoStep(c, draw_value(), draw(2) ? -1.0 : NAN, 1); break;
+        case 18:
+            if (fmi2GetString(c, vr, count, text) != fmi2OK) break;
+            for (size_t i = 0; i < count; i++) logged += strlen(text[i]);
+            break;
         default: {
             double h = draw(1000) * 1e-3;
             if (fmi2DoStep(c, *time, h, 1) == fmi2OK) *time += h;

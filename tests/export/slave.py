@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
-_C = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+_C = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int, "String": ctypes.c_char_p}
 _LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 
 
@@ -79,11 +79,12 @@ class Slave:
     def set(self, name: str, value, kind: str | None = None) -> int:
         """Set one variable, or a whole array by its name without index."""
         kind = kind or self.fmu.type(self._names(name)[0])
-        values = list(value) if hasattr(value, "__len__") else [value]
+        values = [value] if isinstance(value, str) or not hasattr(value, "__len__") else list(value)
         return self.set_references(kind, [self.fmu.reference(n) for n in self._names(name)], values)
 
     def set_references(self, kind: str, references: list[int], values: list) -> int:
         n = len(references)
+        values = [value.encode() if isinstance(value, str) else value for value in values]
         numbers, data = (ctypes.c_uint * n)(*references), (_C[kind] * n)(*values)
         return self.call(f"Set{kind}", numbers, ctypes.c_size_t(n), data)
 
@@ -91,6 +92,8 @@ class Slave:
         n = len(references)
         data = (_C[kind] * n)()
         status = self.call(f"Get{kind}", (ctypes.c_uint * n)(*references), ctypes.c_size_t(n), data)
+        if kind == "String":
+            return status, [text.decode() if text is not None else None for text in data]
         return status, list(data)
 
     def get(self, name: str):

@@ -92,7 +92,7 @@ def test_types_and_value_references_are_checked(sensor):
     assert "value reference 4294967295" in sensor.said
     assert sensor.call("GetString", None, ctypes.c_size_t(0), None) == OK
     assert sensor.call("SetString", (ctypes.c_uint * 1)(0), ctypes.c_size_t(1), (ctypes.c_char_p * 1)(b"x")) == ERROR
-    assert sensor.said == "This FMU has no String variables."
+    assert sensor.said == "Variable 'u[1]' (value reference 0) is Real, not String."
 
 
 @pytest.mark.parametrize(

@@ -18,18 +18,20 @@ from navfmu.export.life import State
 from navfmu.export.lower import lower
 from navfmu.export.twin import build_twin
 
-from .components import Listener, Mixed, Modes, Sensor, Source, Ticking
+from .components import Listener, Mixed, Modes, Named, Sensor, Source, Ticking
 from .slave import ERROR, OK, Slave, Unzipped
 
 COMPONENTS = {
     "mixed": Mixed,
     "modes": Modes,
+    "named": Named,
     "sensor": Sensor,
     "listener": Listener,
     "source": Source,
     "ticking": Ticking,
 }
-KINDS = ("Real", "Integer", "Boolean")
+KINDS = ("Real", "Integer", "Boolean", "String")
+TEXTS = ("", "TUL", "Zürich", "12345678", "123456789", 101 * "x", 50 * "ü")
 FATAL, DISCARD = 4, 2
 
 
@@ -154,6 +156,8 @@ class Host:
         return [self.choose(*wrong) if self.random.random() < 0.05 else self.choose(*right) for _ in range(count)]
 
     def value(self, kind):
+        if kind == "String":
+            return None if self.derivatives and self.random.random() < 0.1 else self.choose(*TEXTS)
         if kind == "Real":
             return self.choose(*ODD) if self.random.random() < 0.1 else self.choose(-1.0, 0.0, 1.0, 1.0, 2.0, 3.0, 0.5)
         return int(self.random.integers(-1, 6)) if kind == "Integer" else int(self.random.integers(2))
@@ -199,7 +203,9 @@ def same(native, floats):
     assert [s for s in said if s[0] != "logStatusError"] == [s for s in told if s[0] != "logStatusError"]
     assert others.endswith(errors) and bool(others) == bool(errors), (said, told)
     assert (values is None) == (numbers is None)
-    if values is not None:
+    if values and isinstance(values[0], str):
+        assert values == numbers
+    elif values is not None:
         assert np.allclose(values, np.array(numbers, float), rtol=1e-12, atol=1e-12, equal_nan=True), (values, numbers)
 
 

@@ -186,7 +186,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
 /* ---- values ---- */
 
 static const char *type_name(int access) {
-    return access & REAL ? "Real" : access & INTEGER ? "Integer" : "Boolean";
+    return access & REAL ? "Real" : access & INTEGER ? "Integer" : access & BOOLEAN ? "Boolean" : "String";
 }
 
 SELDOM static fmi2Status refuse_get(Slave *slave, fmi2ValueReference reference, int type) {
@@ -253,8 +253,13 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 }
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2String value[]) {
-    (void)vr, (void)value;
-    return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
+    Slave *slave = c;
+    if (!slave || before_get(slave)) return fmi2Error;
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], STRING)) return refuse_get(slave, vr[i], STRING);
+        value[i] = instance_text(&slave->core, (int)vr[i]);
+    }
+    return fmi2OK;
 }
 
 /* The bits in which the access of any of these variables differs from those. */
@@ -312,8 +317,15 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2String value[]) {
-    (void)vr, (void)value;
-    return count == 0 && c ? fmi2OK : refuse(c, "This FMU has no String variables.");
+    Slave *slave = ALLOWED(c, fmi2SetString);
+    if (!slave) return fmi2Error;
+    for (size_t i = 0; i < count; i++) {
+        if (!has(vr[i], STRING | (int)slave->core.state->phase)) return refuse_set(slave, vr[i], STRING);
+        if (!instance_can_hold(&slave->core, (int)vr[i], value[i])) return fmi2Error;
+    }
+    instance_undo_preview(&slave->core);
+    for (size_t i = 0; i < count; i++) instance_set_text(&slave->core, (int)vr[i], value[i]);
+    return fmi2OK;
 }
 
 SELDOM static fmi2Status refuse_slope(Slave *slave, fmi2ValueReference reference, int order) {

@@ -50,6 +50,7 @@ static size_t lay_out_state(Instance *self, char *base) {
     self->clocks = take(base, &size, at_least_one(model.clock_count), sizeof(Clock));
     self->last = take(base, &size, at_least_one(model.task_count), sizeof(int64_t));
     self->remembered = take(base, &size, at_least_one(model.memory_count), sizeof(double));
+    self->texts = take(base, &size, at_least_one(model.text_bytes), 1);
     return size;
 }
 
@@ -105,8 +106,34 @@ static void instance_reset(Instance *self) {
     self->state->phase = INSTANTIATED;
     self->state->stop = INFINITY;
     for (int i = 0; i < model.variable_count; i++) self->v[i] = model.variables[i].start;
+    for (int i = 0; i < model.text_count; i++) strcpy(self->texts + model.texts[i].place, model.texts[i].start);
     for (int i = 0; i < model.memory_count; i++) self->remembered[i] = model.memory[i];
     clear_slopes(self);
+}
+
+/* ---- texts ---- */
+
+static const Text *text_of(int index) {
+    return &model.texts[(int)model.variables[index].start];
+}
+
+static const char *instance_text(const Instance *self, int index) {
+    return self->texts + text_of(index)->place;
+}
+
+static int instance_can_hold(Instance *self, int index, const char *text) {
+    const char *name = model.variables[index].name;
+    const int longest = text_of(index)->longest;
+    if (text && strlen(text) <= (size_t)longest) return 1;
+    if (!text) instance_say(self, SAY_NO_TEXT, name);
+    else instance_say(self, SAY_TOO_LONG, name, (double)strlen(text), longest);
+    return 0;
+}
+
+/* The rest of its place is 0, so that equal texts are equal bytes. */
+static void instance_set_text(Instance *self, int index, const char *text) {
+    const Text *place = text_of(index);
+    strncpy(self->texts + place->place, text, (size_t)place->longest + 1);
 }
 
 /* ---- tasks ---- */

@@ -15,7 +15,8 @@
 #define SELDOM
 #endif
 
-/* The head of the state block. The block is plain data without pointers: head, v, slopes, clocks, last, remembered; saving, restoring and resetting are copies of it. */
+/* The head of the state block. The block is plain data without pointers: head, v, slopes, clocks, last, remembered,
+   texts; saving, restoring and resetting are copies of it. */
 typedef struct {
     double time;          /* communication point */
     double start, stop;   /* of the experiment; stop is INFINITY when it was not given */
@@ -51,6 +52,7 @@ struct Instance {
     Clock *clocks;
     int64_t *last;    /* sequence number last seen, for each task */
     double *remembered; /* by what passes through */
+    char *texts;      /* of Strings, each in a place of its own with a 0 behind it */
 
     State *before;    /* copy of the block while outputs are shown in initialisation mode, */
     int previewed;    /* which `before` undoes */
@@ -88,6 +90,11 @@ static int instance_step(Instance *self, double time, double h);
 
 /* Whether a parameter may have the value, as far as one parameter tells; reports when not. */
 static int instance_accepts(Instance *self, int index, double value);
+
+/* The text of a String, which changes only before initialisation has ended. Setting reports why not, and returns 0. */
+static const char *instance_text(const Instance *self, int index);
+static int instance_can_hold(Instance *self, int index, const char *text);
+static void instance_set_text(Instance *self, int index, const char *text);
 
 /* The nearest int, also for values that no int can hold. */
 static int nearest_int(double value);

@@ -8,7 +8,15 @@
 
 /* Every variable of any type is one double in the vector v; its value reference is its index there.
    These are the types; further bits of a variable's access are the phases (life.h) in which it may be set. */
-enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, TYPES = 7, TUNABLE = 256 /* its range is checked when it is set */, ENUMERATION = 512 /* and when a task assigns it */ };
+enum {
+    REAL = 1,
+    INTEGER = 2,
+    BOOLEAN = 4,
+    TUNABLE = 256,     /* its range is checked when it is set */
+    ENUMERATION = 512, /* and when a task assigns it */
+    STRING = 1024,     /* its number says which of the texts it is */
+    TYPES = REAL | INTEGER | BOOLEAN | STRING
+};
 
 typedef struct {
     const char *name;
@@ -67,6 +75,13 @@ typedef struct {
     const int *keys;           /* the columns that increase */
 } TableInfo;
 
+/* The text of a String. */
+typedef struct {
+    const char *start;
+    int longest; /* bytes, without the 0 behind them */
+    int place;   /* among the bytes of all texts */
+} Text;
+
 /* When tasks run: at offset + k * period since the start. */
 typedef struct {
     int period, offset; /* indices in v of times in s; offset is -1 where there is none */
@@ -82,6 +97,8 @@ typedef struct {
     const Task *tasks;
     int check_count;
     const Check *checks;
+    int text_count, text_bytes;
+    const Text *texts;
     int clock_count;
     const ClockInfo *clocks;
     int table_count;
