@@ -134,7 +134,7 @@ WRONG = {
         lambda: Input(kind="enumeration", items=("off", "on"), start=3),
         "start is 3, which is above its max, 2",
     ),
-    "kind": (lambda: Input(kind="enumeratoin"), "integer, boolean or enumeration; did you mean 'enumeration'?"),
+    "kind": (lambda: Input(kind="enumeratoin"), "boolean, enumeration or string; did you mean 'enumeration'?"),
 }
 
 
