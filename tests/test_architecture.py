@@ -8,11 +8,13 @@ import pytest
 
 ROOMS = (  # of the package, from the ground up: each may use what stands before it
     "errors",
+    "place",
     "files",
     "fmi",
     "ssp",
     "terminal",
     "report",
+    "derivatives",
     "export",
     "expressions",
     "faults",

@@ -15,6 +15,7 @@ from navfmu.export.traced import (
     broadcast_columns,
     contains_traced,
     objects,
+    others,
     type_of,
     uniform,
     wrapped,
@@ -164,7 +165,7 @@ def apply(function: Callable, args: tuple, kwargs: dict) -> Any:
 
 
 def _answer(self: Any, function: Callable, types: Any, args: tuple, kwargs: dict) -> Any:
-    return apply(function, args, kwargs)
+    return NotImplemented if others(types) else apply(function, args, kwargs)
 
 
 Traced.__array_function__ = _answer

@@ -11,19 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from threading import RLock
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from navfmu.derivatives.making import LOCK
 from navfmu.export import calls, functions, ufuncs
 from navfmu.export.traced import Traced, contains_traced, expressions, objects, routine, symbols, whole_numbers, wrapped
 
 __all__ = ["Traced", "expressions", "functions", "routine", "symbols", "tracing", "ufuncs", "whole_numbers"]
-
-_GLOBAL = RLock()  # one thread at a time changes what belongs to the whole process, and changes it back
-
 
 # NumPy asks no list how to reduce it: these take a list of traced values as the array that it stands for.
 _REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
@@ -33,7 +30,7 @@ _REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
 def tracing(modules: Iterable[ModuleType] = ()) -> Iterator[None]:
     """While tracing, ``np.array`` and its kin return traced arrays, in ``modules`` also by names of their own."""
     modules = list(modules)
-    with _GLOBAL, _traced_arrays(modules), _recorded_functions(modules):
+    with LOCK, _traced_arrays(modules), _recorded_functions(modules):
         yield
 
 

@@ -82,6 +82,11 @@ def wrapped(x: Any) -> Any:
     return x
 
 
+def others(types: Iterable[type]) -> bool:
+    """Whether there is a type among them that answers NumPy's protocols itself and may know what to do."""
+    return any(hasattr(t, "__array_ufunc__") and not issubclass(t, np.ndarray | np.generic | Scalar) for t in types)
+
+
 def contains_traced(x: Any) -> bool:
     """Whether nested lists, tuples or arrays hold a traced value."""
     if isinstance(x, Traced | Scalar):

@@ -19,6 +19,7 @@ from navfmu.export.traced import (
     filled,
     is_kept_whole,
     objects,
+    others,
     type_of,
 )
 
@@ -166,7 +167,7 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
 
 
 def _answer(self: Any, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-    return apply(ufunc, method, inputs, kwargs)
+    return NotImplemented if others(map(type, inputs)) else apply(ufunc, method, inputs, kwargs)
 
 
 Traced.__array_ufunc__ = _answer

@@ -1,0 +1,29 @@
+"""Where the model's code is: its file and line, for messages."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import numpy as np
+
+_PACKAGE = os.path.dirname(__file__)
+_SKIPPED = (
+    *(os.path.join(_PACKAGE, room) + os.sep for room in ("export", "derivatives")),
+    os.path.dirname(np.__file__),
+    "<__array_function__",
+    __file__,
+)
+
+
+def is_foreign(filename: str) -> bool:
+    """Whether a frame of this file belongs to the exporter, to derivatives or to NumPy, and not to the model."""
+    return filename.startswith(_SKIPPED)
+
+
+def place() -> str:
+    """Return ``"file, line n"`` of the model's code that is running."""
+    frame = sys._getframe(1)
+    while frame.f_back is not None and is_foreign(frame.f_code.co_filename):
+        frame = frame.f_back
+    return f"{frame.f_code.co_filename}, line {frame.f_lineno}"
