@@ -1,46 +1,89 @@
 """Kalman filtering on the factors of the covariance, P = U D U', one scalar measurement at a time.
 
-U is upper triangular with a diagonal of ones, D a diagonal matrix that travels as its elements. None of these can
-become negative, whatever is rounded on the way, so P stays a covariance where the matrix itself would not: its update
-is a difference of numbers that agree in most digits, or in all.
+U is upper triangular with a diagonal of ones, D is diagonal. None of its elements can become negative, whatever is
+rounded on the way, so P stays a covariance where the matrix itself would not: its update is a difference of numbers
+that agree in most digits, or in all. Both travel as the columns of U one after the other, each from the first row to
+its diagonal, where the element of D takes the place of the one: n (n + 1) / 2 numbers for n states.
 
 Equations: G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press 1977, chapters V.3
-(measurement) and VI.4 (time: C. L. Thornton's modified weighted Gram-Schmidt orthogonalisation). The arguments are
-those of :mod:`models.kalman`.
+(measurement) and VI.4 (time: C. L. Thornton's modified weighted Gram-Schmidt orthogonalisation). The functions are used
+as those of :mod:`models.kalman`.
 """
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 
-def covariance(unit, diagonal):
-    """P = U D U' of the factors, shape (n, n)."""
-    return (unit * diagonal) @ unit.T
+@cache
+def _places(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """For each element of U its place among the packed ones, a 0 and a 1; and the places of D."""
+    place = np.full((n, n), n * (n + 1) // 2)
+    column, row = np.tril_indices(n)
+    place[row, column] = np.arange(len(row))
+    diagonal = np.diag(place).copy()
+    np.fill_diagonal(place, n * (n + 1) // 2 + 1)
+    return place, diagonal
 
 
-def variances(unit, diagonal):
+def order(columns) -> int:
+    """Number of states n of n (n + 1) / 2 packed elements."""
+    return (round((8 * np.shape(columns)[-1] + 1) ** 0.5) - 1) // 2
+
+
+def unit(columns):
+    """U, shape (n, n)."""
+    return np.concatenate([columns, [0.0, 1.0]])[_places(order(columns))[0]]
+
+
+def diagonal(columns):
+    """The n elements of D."""
+    return columns[_places(order(columns))[1]]
+
+
+def column(columns, state: int):
+    """What U has above its diagonal in the column of a state."""
+    first = state * (state + 1) // 2
+    return columns[first : first + state]
+
+
+def covariance(columns):
+    """P = U D U', shape (n, n)."""
+    u = unit(columns)
+    return (u * diagonal(columns)) @ u.T
+
+
+def variances(columns):
     """The diagonal of P, n elements."""
-    return np.sum(unit * unit * diagonal, axis=1)
+    u = unit(columns)
+    return np.sum(u * u * diagonal(columns), axis=1)
 
 
 def factors(covariance):
-    """U, shape (n, n), and the n elements of D, of a covariance that is positive definite."""
+    """The packed factors of a covariance that is positive definite, shape (n, n)."""
     root = np.linalg.cholesky(covariance[::-1, ::-1])[::-1, ::-1]  # of the states in reverse order: upper triangular
     scale = np.diag(root)
-    return root / scale, scale * scale
+    u = root / scale
+    return np.concatenate([np.append(u[:i, i], scale[i] * scale[i]) for i in range(len(scale))])
 
 
-def propagate(unit, diagonal, rows, factor, noise):
+def of_variances(variances):
+    """The packed factors for independent states."""
+    return np.concatenate([np.append(np.zeros(i), variance) for i, variance in enumerate(variances)])
+
+
+def propagate(columns, rows, factor, noise):
     """P[k+1] = Phi P Phi' + C_d as the factors of W D_w W', W = [Phi U, 1] and D_w = (D, C_d): chapter VI.4.
 
-    From the last state to the first, the row of a state is taken out of the rows above it; what they had of it is its
-    column of U, its weighted square its element of D.
+    From the last state to the first, the row of W of a state is taken out of the rows above it: what they had of it is
+    the state's column of U, its weighted square the element of D.
 
     Parameters
     ----------
-    unit, diagonal
-        Factors of the covariance of n states, shapes (n, n) and (n,).
+    columns
+        Packed factors of the covariance of n states.
     rows
         The first m rows of Phi, by the first k states: shape (m, k).
     factor
@@ -49,26 +92,26 @@ def propagate(unit, diagonal, rows, factor, noise):
         Diagonal of C_d, n elements.
     """
     driven, driving = np.shape(rows)
-    moved = np.concatenate([rows @ unit[:driving], factor[:, None] * unit[driven:]])
-    weights = np.concatenate([diagonal, noise])
+    u = unit(columns)
+    moved = np.concatenate([rows @ u[:driving], factor[:, None] * u[driven:]])
+    weights = np.concatenate([diagonal(columns), noise])
     above = np.concatenate([moved, np.eye(len(noise))], axis=1)
-    columns, squares = [], []
+    result = []
     for state in reversed(range(len(noise))):
         row, above = above[state], above[:state]
         weighted = weights * row
         square = row @ weighted
         share = (above @ weighted) / np.where(square > 0.0, square, 1.0)  # of a state without variance nothing
         above = above - np.outer(share, row)
-        columns.append(np.concatenate([share, np.eye(len(noise))[state, state:]]))
-        squares.append(square)
-    return np.stack(columns[::-1], axis=1), np.stack(squares[::-1])
+        result.append(np.append(share, square))
+    return np.concatenate(result[::-1])
 
 
-def update(correction, unit, diagonal, row, variance, residual, use=True, gate=0.0):
+def update(correction, columns, row, variance, residual, use=True, gate=0.0):
     """One scalar measurement with the noise ``variance``: chapter V.3.
 
     The measurement's noise is seen first, then the states one after the other: alpha[j] is the variance of the
-    innovation as far as it comes from the noise and the first j states, and gathered[:, j] the covariance of the states
+    innovation as far as it comes from the noise and the states up to j, and ``gathered`` the covariance of the states
     with that part of it.
 
     Parameters
@@ -76,8 +119,8 @@ def update(correction, unit, diagonal, row, variance, residual, use=True, gate=0
     correction
         Corrections of the states gathered so far in this measurement epoch (all residuals refer to the same
         prediction), n elements.
-    unit, diagonal
-        Factors of the covariance, shapes (n, n) and (n,).
+    columns
+        Packed factors of the covariance.
     row
         H, the derivatives of the measurement with respect to the n states.
     residual
@@ -89,20 +132,21 @@ def update(correction, unit, diagonal, row, variance, residual, use=True, gate=0
 
     Returns
     -------
-    correction, unit, diagonal, and whether the measurement was taken.
+    correction, columns, and whether the measurement was taken.
     """
-    f = row @ unit
-    v = diagonal * f
-    alpha = variance + np.cumsum(v * f)
-    before = np.concatenate([[variance], alpha[:-1]])
-    gathered = np.cumsum(unit * v, axis=1)
-    earlier = np.concatenate([np.zeros((len(v), 1)), gathered[:, :-1]], axis=1)
+    n, d = order(columns), diagonal(columns)
+    f = row + np.array([np.sum(row[:state] * column(columns, state)) for state in range(n)])
+    v = d * f
+    alpha = variance + np.cumsum(f * v)
+    before = np.append(variance, alpha[:-1])
     innovation, spread = residual - row @ correction, alpha[-1]
     inside = np.logical_or(gate <= 0.0, innovation * innovation <= gate * gate * spread)
     taken = np.logical_and(use, inside)
-    return (
-        correction + np.where(taken, innovation / spread, 0.0) * gathered[:, -1],
-        unit - np.where(taken, f / before, 0.0) * earlier,
-        diagonal * np.where(taken, before / alpha, 1.0),
-        taken,
-    )
+    share = np.where(taken, f / before, 0.0)
+    square = d * np.where(taken, before / alpha, 1.0)
+    gathered, result = v[:0], []
+    for state in range(n):
+        u = column(columns, state)
+        result.append(np.append(u - share[state] * gathered, square[state]))
+        gathered = np.append(gathered + v[state] * u, v[state])
+    return correction + np.where(taken, innovation / spread, 0.0) * gathered, np.concatenate(result), taken
