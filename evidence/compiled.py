@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -42,7 +43,7 @@ class Compiled:
         return result.reshape(self.shape)
 
 
-def traced(function: Callable, arguments: Sequence[Any], whole: int | None = None) -> Compiled:
+def traced(function: Callable, arguments: Sequence[Any], whole: float = math.inf) -> Compiled:
     """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements
     are kept whole, and the functions of its module are called.
     """
@@ -56,7 +57,7 @@ def traced(function: Callable, arguments: Sequence[Any], whole: int | None = Non
         return Compiled(trace.expressions(result), np.shape(result))
 
 
-def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: int | None = None) -> list[Compiled]:
+def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: float = math.inf) -> list[Compiled]:
     """Trace functions, each with arguments of the shapes that it will get, and compile them in one go."""
     return linked([traced(function, arguments, whole) for function, arguments in functions])
 

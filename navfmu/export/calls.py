@@ -19,7 +19,7 @@ import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export import arrays
-from navfmu.export.extent import TooLong, current, shortest
+from navfmu.export.extent import MOST_CALLED, TooLong, current, shortest
 from navfmu.export.graph import Array, Node, element
 from navfmu.export.graph import number as constant
 from navfmu.export.rules import Scalar, expression
@@ -27,7 +27,6 @@ from navfmu.export.traced import Traced, expressions, symbols, type_of
 
 #: A function of fewer operations is not worth a call.
 _FEW = 24
-_MOST = 4_000  # operations that a function is traced with before its arrays are kept whole
 
 
 class _NoCall(Exception):
@@ -59,7 +58,7 @@ def recorded(function: FunctionType) -> Callable:
 
     @wraps(function)
     def called(*args: Any, **kwargs: Any) -> Any:
-        if current().whole is None:
+        if not current().calls:
             return function(*args, **kwargs)
         try:
             return _call(function, args, kwargs)
@@ -126,10 +125,10 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
         return [node for leaf in leaves for node in expressions(leaf)], result
 
     try:
-        (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, _MOST)
+        (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, MOST_CALLED)
     except (_NoCall, NavfmuError, TooLong, TypeError, ValueError, IndexError, KeyError, ArithmeticError):
         return None
-    if used.whole is None and used.operations < _FEW:
+    if not used.calls and used.operations < _FEW:
         return None
     results: list[Node] = []
     numbers: list[int | float | tuple[int, int]] = []

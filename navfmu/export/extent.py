@@ -1,8 +1,8 @@
-"""How far a trace goes: single numbers as long as they are few, else arrays as wholes.
+"""How far a trace goes: single numbers where they are few, else arrays as wholes.
 
-A function of a model is traced with every element of every array on its own, which makes the fastest code, until there
-are more operations than a compiler likes. Then it is traced again with arrays as nodes and the model's own functions as
-calls. Both do the same operations in the same order.
+A function of a model is traced with the elements of its arrays on their own, but for large arrays, which makes the
+fastest code, until there are more operations than a compiler likes. Then it is traced again, with all but the smallest
+arrays as nodes and the model's own functions as calls. Both do the same operations in the same order.
 """
 
 from __future__ import annotations
@@ -15,11 +15,15 @@ from typing import Any
 
 from navfmu.errors import NavfmuError
 
-#: Operations that a function is traced with before its arrays are kept whole.
+#: Operations on single numbers that a task is traced with before its arrays are kept whole.
 MOST = 16_000
+#: The same for a function that is called.
+MOST_CALLED = 4_000
+#: Arrays with so many elements are kept whole even then, and products with four times as many products.
+LARGE = 256
 #: Arrays with fewer elements never are.
 LEAST = 8
-#: Operations on single numbers, arrays whole, that are too many for a compiler.
+#: Operations on single numbers that are too many for a compiler.
 LIMIT = 60_000
 
 
@@ -32,7 +36,8 @@ class Extent:
     """What a trace may do, and has done."""
 
     most: float = math.inf
-    whole: int | None = None  # from so many elements on an array is kept whole
+    whole: float = math.inf  # from so many elements on an array is kept whole
+    calls: bool = False  # the model's own functions are called
     operations: int = 0
     packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
     functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
@@ -63,19 +68,19 @@ def extent(of: Extent) -> Iterator[Extent]:
 
 
 def shortest(
-    function: Callable[[], Any], what: str, functions: dict, most: int = MOST, least: int = LEAST
+    function: Callable[[], Any], what: str, functions: dict, most: int = MOST, large: int = LARGE, least: int = LEAST
 ) -> tuple[Any, Extent]:
     """Call a function that traces: with single numbers, and if that gets long once more with arrays as wholes.
 
     ``functions`` are those that were recorded as calls so far, for all that becomes one model. Returns what it
     returned, and the extent that it needed.
     """
-    with extent(Extent(most)) as used:
+    with extent(Extent(most, large)) as used:
         try:
             return function(), used
         except TooLong:
             pass
-    with extent(Extent(LIMIT, whole=least, functions=functions)) as used:
+    with extent(Extent(LIMIT, least, calls=True, functions=functions)) as used:
         try:
             return function(), used
         except TooLong:

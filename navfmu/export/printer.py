@@ -115,6 +115,7 @@ class _Body:
         self.constants: dict[tuple[str, bytes], tuple[str, str]] = {}  # kind and numbers -> name and definition
         self.buffers = _Places()
         self.in_loops = 0  # names that were given
+        self.final = self._final()  # arrays that lie in the results, and where
 
     def lines(self) -> list[str]:
         """Return the lines of the function."""
@@ -180,6 +181,20 @@ class _Body:
             statements.append(f"{indent}const {'int' if truth else 'double'} {name} = {text};")
         return names[text]
 
+    def _final(self) -> dict[Array, int]:
+        """Return the arrays that are results as wholes, and where: they are calculated in their place."""
+        found: dict[Array, int] = {}
+        for i, node in enumerate(self.results):
+            array = node.of[0] if node.op == "element" else None
+            if not isinstance(array, Array) or node.of[1] or array in self.known or array in found:
+                continue
+            last = self.results[i : i + array.size]
+            if len(last) == array.size and all(
+                n.op == "element" and n.of[0] is array and n.of[1] == k for k, n in enumerate(last)
+            ):
+                found[array] = i
+        return found
+
     def _store(self) -> None:
         """Set the results; those that lie side by side in a loop."""
         i = 0
@@ -192,6 +207,9 @@ class _Body:
                     if other.op != "element" or other.of[0] is not array or other.of[1] != first + n:
                         break
                     n += 1
+            if n > 1 and self.final.get(array) == i - first and first == 0:
+                i += array.size
+                continue
             if n < _SHORT:
                 self.statements.append(f"    r[{i}] = {self.texts[node]};")
                 i += 1
@@ -209,8 +227,9 @@ class _Body:
 
     def _array(self, array: Array, now: int, until: float) -> None:
         name = self.texts[array] = f"b{now}"
-        buffer = self.buffers.take(array.size, now, max(until, now))
-        self.statements.append(f"    double *const {name} = w{buffer};")
+        where = _plus("r", self.final[array]) if array in self.final else None
+        where = where or f"w{self.buffers.take(array.size, now, max(until, now))}"
+        self.statements.append(f"    double *const {name} = {where};")
         {
             Pack: self._pack,
             Map: self._map,
@@ -337,18 +356,22 @@ class _Body:
                 f"        {name}[i] = {begin}sum({vector} + {row}, {how.length}, {along});",
             ]
             return
-        statements: list[str] = []
+        first = c_number(how.first) if how.first is not None else f"{vector}[{row}]"
+        begin = int(how.first is None)
         place = _sum([("i", across), ("j", along)], start)
-        inner = self._formula_text(how.formula, ["x", f"{vector}[{place}]"], {}, statements, "            ")
+        self.statements.append(f"    for (int i = 0; i < {how.rows}; i++) {name}[i] = {first};")
+        self._rows(how, begin, f"{name}[i]", f"{vector}[{place}]", f"{name}[i]")
+
+    def _rows(self, how: Fold | Run, begin: int, before: str, read: str, to: str) -> None:
+        """Write the loops that fold rows, all rows side by side: so none waits for itself."""
+        statements: list[str] = []
+        text = self._formula_text(how.formula, [before, read], {}, statements, "            ")
         self.statements += [
-            f"    for (int i = 0; i < {how.rows}; i++) {{",
-            f"        double x = {c_number(how.first) if how.first is not None else f'{vector}[{row}]'};",
-            f"        for (int j = {int(how.first is None)}; j < {how.length}; j++) {{",
+            f"    for (int j = {begin}; j < {how.length}; j++)",
+            f"        for (int i = 0; i < {how.rows}; i++) {{",
             *statements,
-            f"            x = {inner};",
+            f"            {to} = {text};",
             "        }",
-            f"        {name}[i] = x;",
-            "    }",
         ]
 
     def _run(self, array: Array, name: str) -> None:
@@ -357,18 +380,11 @@ class _Body:
         vector, shift = self._vector(operand)
         across, along = operand.strides((how.rows, how.length))
         start = shift + int(operand.places[0])
-        statements: list[str] = []
+        row, step = _sum([("i", how.length)], 0), _sum([("i", how.length), ("j", 1)], 0)
+        first = _sum([("i", across)], start)
+        self.statements.append(f"    for (int i = 0; i < {how.rows}; i++) {name}[{row}] = {vector}[{first}];")
         place = _sum([("i", across), ("j", along)], start)
-        inner = self._formula_text(how.formula, ["x", f"{vector}[{place}]"], {}, statements, "            ")
-        self.statements += [
-            f"    for (int i = 0; i < {how.rows}; i++) {{",
-            f"        double x = {name}[{how.length} * i] = {vector}[{_sum([('i', across)], start)}];",
-            f"        for (int j = 1; j < {how.length}; j++) {{",
-            *statements,
-            f"            {name}[{how.length} * i + j] = x = {inner};",
-            "        }",
-            "    }",
-        ]
+        self._rows(how, 1, f"{name}[{step} - 1]", f"{vector}[{place}]", f"{name}[{step}]")
 
     def _product(self, array: Array, name: str) -> None:
         how: Product = array.how

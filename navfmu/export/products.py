@@ -18,7 +18,7 @@ def product(function: Callable, a: Any, b: Any) -> Any:
     a, b = objects(a), objects(b)
     if type_of(a) is type_of(b) is bool:
         refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
-    if current().whole is not None and a.ndim and b.ndim:
+    if current().whole < math.inf and a.ndim and b.ndim:
         return _MATRICES[function](a, b)
     return _multiply(function, a, b)
 
@@ -32,7 +32,7 @@ def _multiply(function: Callable, a: np.ndarray, b: np.ndarray) -> Traced:
 def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
     """Product of two matrices, in one node if it is large."""
     (rows, inner), columns = a.shape, b.shape[1]
-    if inner != len(b) or not is_kept_whole(rows * inner * columns // (current().whole or 1)):
+    if inner != len(b) or not is_kept_whole(rows * inner * columns // 4):
         return _multiply(np.matmul, a, b)
     elements = arrays.multiplied(as_numbers(a.ravel().tolist()), as_numbers(b.ravel().tolist()), rows, inner, columns)
     return filled((rows, columns), elements)

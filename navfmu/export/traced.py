@@ -104,8 +104,7 @@ def at_each_place(rule: Callable, columns: list[list], shape: tuple[int, ...]) -
 
 
 def is_kept_whole(size: int) -> bool:
-    least = current().whole
-    return least is not None and size >= least
+    return size >= current().whole
 
 
 def broadcast_columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:
