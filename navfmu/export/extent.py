@@ -20,7 +20,7 @@ MOST = 16_000
 #: The same for a function that is called.
 MOST_CALLED = 4_000
 #: Arrays with so many elements are kept whole even then, and products with four times as many products.
-LARGE = 256
+LARGE = 400
 #: Arrays with fewer elements never are.
 LEAST = 8
 #: Operations on single numbers that are too many for a compiler.

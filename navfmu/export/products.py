@@ -41,7 +41,7 @@ def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
 def _matmul(a: np.ndarray, b: np.ndarray) -> Traced:
     first, second = a[None] if a.ndim == 1 else a, b[:, None] if b.ndim == 1 else b
     stack = np.broadcast_shapes(first.shape[:-2], second.shape[:-2])
-    pairs = [np.broadcast_to(x, stack + x.shape[-2:]).reshape(-1, *x.shape[-2:]) for x in (first, second)]
+    pairs = [np.broadcast_to(x, stack + x.shape[-2:]).reshape(math.prod(stack), *x.shape[-2:]) for x in (first, second)]
     products = [_matrix_product(x, y) for x, y in zip(*pairs, strict=True)]
     shape = stack + first.shape[-2 : -1 if a.ndim > 1 else -2] + second.shape[-1 if b.ndim > 1 else second.ndim :]
     return filled(shape, [e for product in products for e in product.ravel().tolist()])
@@ -50,12 +50,13 @@ def _matmul(a: np.ndarray, b: np.ndarray) -> Traced:
 def _dot(a: np.ndarray, b: np.ndarray) -> Traced:
     columns = np.moveaxis(b, -2, 0) if b.ndim > 1 else b[:, None]
     shape = a.shape[:-1] + (b.shape[:-2] + b.shape[-1:] if b.ndim > 1 else ())
-    return _matrix_product(a.reshape(-1, a.shape[-1]), columns.reshape(len(columns), -1)).reshape(shape)
+    rows, right = math.prod(a.shape[:-1]), math.prod(columns.shape[1:])
+    return _matrix_product(a.reshape(rows, len(columns)), columns.reshape(len(columns), right)).reshape(shape)
 
 
 def _inner(a: np.ndarray, b: np.ndarray) -> Traced:
-    product = _matrix_product(a.reshape(-1, a.shape[-1]), b.reshape(-1, b.shape[-1]).T)
-    return product.reshape(a.shape[:-1] + b.shape[:-1])
+    left, right = (x.reshape(math.prod(x.shape[:-1]), x.shape[-1]) for x in (a, b))
+    return _matrix_product(left, right.T).reshape(a.shape[:-1] + b.shape[:-1])
 
 
 _MATRICES: dict[Callable, Callable] = {np.matmul: _matmul, np.dot: _dot, np.inner: _inner}
