@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any, NoReturn
 from weakref import WeakValueDictionary
 
@@ -60,11 +61,19 @@ class Dual(NDArrayOperatorsMixin):
     def __init__(self, value: Any, slopes: Slopes, level: int) -> None:
         self.value, self.slopes, self.level = value, slopes, level
         self.root = self
-        self.places = np.arange(1, math.prod(value.shape) + 1).reshape(value.shape)
-        self.views: WeakValueDictionary[int, Dual] = WeakValueDictionary()
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """The places of the elements, counted from 1, in the array of its own that this one shows, or is."""
+        return np.arange(1, math.prod(self.value.shape) + 1).reshape(self.value.shape)
+
+    @cached_property
+    def views(self) -> WeakValueDictionary[int, Dual]:
+        """The arrays that show this one."""
+        return WeakValueDictionary()
 
     def showing(self, value: Any, places: np.ndarray) -> Dual:
-        """Return an array that shows these places, counted from 1, of the one that this one shows."""
+        """Return an array that shows these places of the one that this one shows."""
         result = object.__new__(Dual)
         result.value, result.level = value, self.level
         result.root, result.places = self.root, places
@@ -131,7 +140,7 @@ class Dual(NDArrayOperatorsMixin):
         )
 
     def __len__(self) -> int:
-        return len(self.places)
+        return len(self.value)
 
     def __iter__(self) -> Iterator[Any]:
         return (self[i] for i in range(len(self)))
@@ -249,12 +258,13 @@ def _without_slopes(one: Dual) -> Any:
 
 def _call(function: Callable, method: str | None, args: tuple, kwargs: dict) -> Any:
     """Return what a call of NumPy gives, with its derivatives; Duals that depend on nothing are their values."""
-    if function not in SHOWING:
+    call = getattr(function, method) if method else function
+    given = list(duals([args, list(kwargs.values())]))
+    if function not in SHOWING and any(one.slopes.entries.size == 0 for one in given):
         args = replaced(_without_slopes, args)
         kwargs = {key: replaced(_without_slopes, value) for key, value in kwargs.items()}
-    call = getattr(function, method) if method else function
-    levels = [one.level for one in duals([args, list(kwargs.values())])]
-    if not levels:
+        given = list(duals([args, list(kwargs.values())]))
+    if not given:
         return call(*args, **kwargs)
     key = (function, method) if method else function
     if key not in RULES:
@@ -262,7 +272,7 @@ def _call(function: Callable, method: str | None, args: tuple, kwargs: dict) -> 
         name = name.replace("np._core.umath", "np") + (f".{method}" if method else "")
         remedy = _REMEDIES.get(function.__name__, "write it with the functions that have one (see the tutorial)")
         refuse(f"{name} has no derivative", remedy)
-    return RULES[key](call, max(levels), *args, **kwargs)
+    return RULES[key](call, max(one.level for one in given), *args, **kwargs)
 
 
 _REMEDIES = {

@@ -108,7 +108,7 @@ def _elementwise(function: Callable, partials: tuple) -> Callable:
         for x, derivative in zip(operands, partials, strict=True):
             if derivative is None or not (isinstance(x, Dual) and x.level == level):
                 continue
-            slopes = of_shape(x, value.shape, x.slopes, level)
+            slopes = x.slopes if x.shape == value.shape else of_shape(x, value.shape, x.slopes, level)
             if callable(derivative):
                 derivative = derivative(*(at(one, value.shape, slopes.elements) for one in (value, *bare)))
             parts.append(slopes.scaled(derivative))
