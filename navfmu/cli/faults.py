@@ -55,7 +55,7 @@ def _chosen(known: Sequence[Target], wanted: Sequence[str]) -> list[Target]:
     for name in wanted:
         meant = sorted((t for t in known if names.stands_for(name, t.name)), key=lambda target: target.name != name)
         if not meant:
-            hint = nearest(name, names.short(target.name for target in known))
+            hint = names.hint(name, names.short(target.name for target in known))
             raise NavfmuError(f"nothing that can fail has the name '{name}'{hint}")
         found |= {target.name: target for target in meant}
     return list(found.values()) if wanted else list(known)

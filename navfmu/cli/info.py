@@ -68,7 +68,7 @@ def _show_fmu(path: Path, strict: bool) -> None:
     _line(out, "abilities", ", ".join(name for name, can in able.items() if can) or "none declared")
     bundles = names.bundles(about)  # the targets of dropouts
     if bundles:
-        _line(out, "bundles", f"{', '.join(bundles)} (with valid, sequence and time_of_validity)")
+        _line(out, "bundles", f"{', '.join(names.folded(bundles))} (with valid, sequence and time_of_validity)")
     inputs = [v for v in about.variables if v.causality == "input"]
     for chosen, title in (
         ([v for v in inputs if not v.fault], "inputs"),
@@ -177,19 +177,18 @@ def _seconds(value: float | None) -> str:
 
 def _show_connections(out: Console, system: System) -> None:
     """Connections by pairs of components, arrays and bundles folded."""
-    pairs: dict[tuple[str, str], list[str]] = {}
+    pairs: dict[tuple[str, str], dict[str, list[str]]] = {}
     for link in system.links:
         (a, output), (b, _) = names.split(link.source), names.split(link.target)
-        name = names.array(output)
-        if link.scaled:
-            name += f" (times {link.factor:g}" + (f" plus {link.offset:g})" if link.offset else ")")
-        signals = pairs.setdefault((a, b), [])
-        if name not in signals:
-            signals.append(name)
+        scaled = f" (times {link.factor:g}" + (f" plus {link.offset:g})" if link.offset else ")")
+        pairs.setdefault((a, b), {}).setdefault(scaled if link.scaled else "", []).append(output)
     if not pairs:
         return
     columns = [Column("from", Kind.NAME), Column("to", Kind.NAME), Column("signals", Kind.SENTENCE)]
-    rows = ([a, b, ", ".join(signals)] for (a, b), signals in pairs.items())
+    rows = (
+        [a, b, ", ".join(f"{name}{scaled}" for scaled, found in signals.items() for name in names.folded(found))]
+        for (a, b), signals in pairs.items()
+    )
     out.print(Table(columns, rows, f"{len(system.links)} connections"))
 
 

@@ -46,15 +46,12 @@ def command(
 def _print(written: Sabotaged, out: str) -> None:
     from rich.text import Text
 
-    from navfmu.fmi.names import array
+    from navfmu.fmi.names import folded
     from navfmu.terminal.console import console
     from navfmu.terminal.table import Column, Kind, Table
 
     screen = console()
     columns = [Column("saboteur", Kind.NAME), Column("faults", Kind.WORD), Column("passes on", Kind.NAME)]
-    rows = [
-        [one.name, ", ".join(one.faults), ", ".join(dict.fromkeys(array(name) for name in one.outputs.values()))]
-        for one in written.saboteurs
-    ]
+    rows = [[one.name, ", ".join(one.faults), ", ".join(folded(one.outputs.values()))] for one in written.saboteurs]
     screen.print(Table(columns, rows))
     screen.print(Text(f"wrote {out}"), soft_wrap=True)

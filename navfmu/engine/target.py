@@ -72,9 +72,16 @@ def bundles(component: Component, connected: Collection[Key]) -> list[str]:
 
 
 def of_bundle(component: Component, bundle: str, variables: Iterable[Variable]) -> list[Variable]:
-    """Those that arrive or leave with a bundle: an output in which its receiver counts what it has lost does not."""
-    valid = component.description.by_name.get(f"{bundle}.valid")
-    return [variable for variable in variables if valid is None or variable.causality == valid.causality]
+    """Those that arrive or leave with a bundle, or with those of an array: an output in which its receiver counts what
+    it has lost does not.
+    """
+    known = component.description.by_name
+
+    def arrives_or_leaves(variable: Variable) -> bool:
+        valid = known.get(f"{bundle}.valid") or known.get(f"{names.bundle(variable.name)}.valid")
+        return valid is None or variable.causality == valid.causality
+
+    return list(filter(arrives_or_leaves, variables))
 
 
 def _elements(
@@ -82,17 +89,17 @@ def _elements(
 ) -> list[Element]:
     component, (_, signal), kind = component_of(fault, target, components), names.split(target), TYPES[fault.type]
     able = supporting(kind, component, connected)
-    if kind.bundles == "only" and signal not in (known := bundles(component, connected)):
+    if kind.bundles == "only" and not names.meant(known := bundles(component, connected), signal):
         have = ", ".join(f"'{name}'" for name in known) or "none"
         raise fault.error(
             f"target '{target}' is not a bundle of outputs or connected inputs (values with 'valid' and 'sequence')"
-            f"{nearest(signal, known)}; bundles of '{component.name}': {have}",
+            f"{names.hint(signal, known)}; bundles of '{component.name}': {have}",
             "target",
         )
     variables = names.elements(component.description, signal)
     members = [] if variables else list(names.group(component.description.by_name, signal).values())
     if not variables and not members:
-        hint = nearest(signal, names.short(variable.name for variable in able))
+        hint = names.hint(signal, names.short(variable.name for variable in able))
         raise fault.error(f"target '{target}': component '{component.name}' has no variable '{signal}'{hint}", "target")
     if members and not kind.bundles:
         which = ", ".join(members[:4]) + (" ..." if len(members) > 4 else "")

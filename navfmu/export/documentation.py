@@ -59,7 +59,7 @@ def _caption(model: ir.Model, response: Response) -> str:
     values = example.values
     words = f"{response.time[-1]:.6g} s with "
     if values:
-        known = {e.name: e.variable for e in model.elements} | {v.name: v for v in model.variables}
+        known = {name: model.elements[places[0]].variable for name, (places, _) in ir.named(model.variables).items()}
         short = {name: value for name, value in values.items() if np.size(value) <= 3}
         told = [f"`{name} = {_shown(known[name], value)}`" for name, value in short.items()]
         if long := [f"`{name}`" for name in values if name not in short]:
@@ -94,8 +94,10 @@ def _shown(variable: ir.Variable, value: Any) -> str:
 
 
 def _row(variable: ir.Variable) -> dict[str, Any]:
-    first, last = variable.elements()[0], variable.elements()[-1]
-    subscripts = f"{first.subscript}…{last.subscript}" if variable.shape else ""
+    elements = variable.elements()
+    first, last = elements[0], elements[-1]
+    bundle, own = (f"{a}…{b}" if a else "" for a, b in zip(first.subscripts, last.subscripts, strict=True))
+    member = variable.name.removeprefix(variable.bundle or "")
     unit = variable.unit or ("Enumeration" if variable.enumeration else variable.type.replace("Real", ""))
     starts = (
         ["calculated"]
@@ -113,7 +115,7 @@ def _row(variable: ir.Variable) -> dict[str, Any]:
     tunable = variable.causality == "parameter" and variable.variability == "tunable"
     remarks = " (tunable)" * tunable + " (a difference)" * variable.difference
     return {
-        "name": variable.name + subscripts,
+        "name": f"{variable.bundle or ''}{bundle}{member}{own}",
         "unit": "" if unit == "1" else unit,
         "start": start,
         "limits": limits,
@@ -133,12 +135,23 @@ def _value(variable: ir.Variable, value: float) -> str:
     return text
 
 
+def _alike(model: ir.Model) -> Iterable[tuple[str, list[ir.Task]]]:
+    """Yield the tasks, those of one method for an array of bundles together, and what they are called."""
+    groups: dict[Any, list[ir.Task]] = {}
+    for number, task in enumerate(model.tasks):
+        bundle = None if task.sequence is None else model.elements[task.sequence].variable.bundle
+        groups.setdefault(bundle or number, []).append(task)
+    for tasks in groups.values():
+        first, last = tasks[0].name, tasks[-1].name
+        yield first if first == last else f"{first}…{last}", tasks
+
+
 def _tasks(model: ir.Model) -> Iterable[dict[str, Any]]:
     told = {task["name"]: task for task in model.documentation.get("tasks", ())}
-    for task in model.tasks:
-        about = told.get(task.name, {})
+    for name, tasks in _alike(model):
+        task, about = tasks[0], told.get(tasks[0].name, {})
         yield {
-            "name": task.name,
+            "name": name,
             "when": _when(model, task),
             "text": list(blocks(about.get("text", ""))),
             "source": about.get("source", ""),
@@ -154,5 +167,7 @@ def _when(model: ir.Model, task: ir.Task) -> list[Piece]:
         offset = model.elements[task.clock.offset]
         return pieces(f"{what}at `{offset.name}` ({offset.start:g} s unless set) and k times that period")
     if task.kind == "on_new":
-        return pieces(f"at the first tick that sees new data in `{model.elements[task.sequence].variable.bundle}`")
+        sequence = model.elements[task.sequence]
+        each = f", and so for each to `{sequence.variable.elements()[-1].bundle}`" if sequence.variable.shape else ""
+        return pieces(f"at the first tick that sees new data in `{sequence.bundle}`{each}")
     return pieces("at t = 0, when initialisation ends")

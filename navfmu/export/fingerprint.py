@@ -22,8 +22,18 @@ _EXPORT = Path(__file__).parent
 _ENDINGS = {".py", ".c", ".h", ".txt", ".j2"}  # of the exporter's own files
 #: What it takes from other rooms that shows in an FMU.
 _BESIDE = [
-    *(_EXPORT.parent / name for name in ("errors.py", "files/archive.py", "files/characters.py", "report/template.py")),
-    *sorted((_EXPORT.parent / "derivatives").glob("*.py")),
+    file
+    for pattern in (
+        "errors.py",
+        "derivatives/*.py",
+        "files/archive.py",
+        "files/characters.py",
+        "fmi/description.py",
+        "fmi/names.py",
+        "fmi/units.py",
+        "report/template.py",
+    )
+    for file in sorted(_EXPORT.parent.glob(pattern))
 ]
 
 

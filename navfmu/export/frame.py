@@ -39,27 +39,37 @@ class Frame:
         """Raise the error for what the task tried to do."""
         raise NavfmuError(f"{place()}: component {self.layout.component.__name__}: {what}")
 
-    def read(self, name: str) -> Any:
-        """Return the value a variable has now in this task."""
+    def read(self, name: str, place: tuple[int, ...] = ()) -> Any:
+        """Return the value a variable has now in this task, of an array of bundles those of the bundle at ``place``."""
         if self.layout.fields[name].type == "String":
             self.fail(
                 f"'{name}' is a string, which names something for hosts and tables; a task calculates with numbers"
             )
         if name not in self.current:
             self.current[name] = self.load(self.layout.fields[name])
-        return self.current[name]
+        return self.current[name][place] if place else self.current[name]
 
-    def check_shape(self, name: str, value: Any) -> None:
+    def check_shape(self, name: str, value: Any, place: tuple[int, ...] = ()) -> None:
         """Refuse a value of the wrong shape."""
-        expected = self.layout.fields[name].shape
+        variable = self.layout.fields[name]
+        expected = variable.shape[len(place) :]
         if np.shape(value) != expected:
-            self.fail(f"'{name}' is assigned shape {np.shape(value)}, expected {expected}")
+            self.fail(f"'{variable.at(place)}' is assigned shape {np.shape(value)}, expected {expected}")
 
-    def write(self, name: str, value: Any) -> None:
-        """Assign an output or a state."""
+    def write(self, name: str, value: Any, place: tuple[int, ...] = ()) -> None:
+        """Assign an output or a state, of an array of bundles that of the bundle at ``place``."""
         variable = self.layout.fields[name]
         if variable.causality not in ("output", "local"):
             self.fail(f"'{name}' is of causality {variable.causality} and cannot be assigned")
-        self.check_shape(name, value)
-        self.current[name] = self.convert(variable, value)
+        self.check_shape(name, value, place)
+        self.current[name] = self.convert(variable, _replaced(self.read(name), place, value) if place else value)
         self.assigned.add(name)
+
+
+def _replaced(array: Any, place: tuple[int, ...], value: Any) -> Any:
+    """Return the array with another value at a place."""
+    if not place:
+        return value
+    rows = [array[i] for i in range(len(array))]
+    rows[place[0]] = _replaced(rows[place[0]], place[1:], value)
+    return np.stack(rows)

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
@@ -26,6 +26,7 @@ from navfmu.export.noise import Normals
 from navfmu.export.numbers import Numbers
 from navfmu.export.task import TaskDeclaration
 from navfmu.export.text import size
+from navfmu.fmi.names import hint
 
 _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
 #: The times that belong to the state.
@@ -126,10 +127,10 @@ def _run_task(
     """Run a task on the values and store what it assigns; return the names of that."""
     layout = component.layout
     frame = FloatFrame(layout, values, time, period)
-    arguments: Iterable[Any] = ()
+    arguments: tuple[Any, ...] = task.element
     if task.uses_noise:
         seed, stream = (nearest_int(values[layout.fields[name].index]) for name in ("seed", "stream"))
-        arguments = (Normals(seed, stream, k, task.stream),)
+        arguments += (Normals(seed, stream, k, task.stream),)
     task.function(component(frame), *arguments)
     frame.commit()
     return frame.assigned
@@ -189,7 +190,6 @@ class Interpreter:
         self._build = f"{build} {_number(component)}".strip()
         self.variables = variables(component)
         self.elements = ir.elements(self.variables)
-        self._index = {e.name: e.index for e in self.elements}
         settable = {v.name: life.settable(v.causality, v.variability, v.initial) for v in self.variables}
         self._settable = [settable[e.variable.name] for e in self.elements]
         smooth = [v for v in self.variables if v.causality == "input" and v.variability == "continuous"]
@@ -270,13 +270,11 @@ class Interpreter:
         """Return the value references that a name stands for, and the shape of their values."""
         if isinstance(name, int | np.integer):
             return [int(name)], ()
-        if name in self.layout.fields:
-            variable = self.layout.fields[name]
-            return list(variable.indices), variable.shape
-        if name not in self._index:
-            known = [*self.layout.fields, *self._index]
-            raise NavfmuError(f"There is no variable '{name}' in '{self.layout.name}'{nearest(name, known)}")
-        return [self._index[name]], ()
+        if name not in self.layout.named:
+            close = hint(name, self.layout.named)
+            raise NavfmuError(f"There is no variable '{name}' in '{self.layout.name}'{close}")
+        references, shape = self.layout.named[name]
+        return list(references), shape
 
     def _element(self, reference: int, kind: str | None = None) -> ir.Element:
         """Return what has a value reference, which must be of that type if one is given."""
@@ -450,15 +448,15 @@ class Interpreter:
 
     def _run_on_new(self, number: int, task: TaskDeclaration, time: float, tolerance: float, period: float) -> None:
         """Run the task if the bundle's number has changed and its time has come."""
-        fields, bundle = self.layout.fields, task.argument
-        sequence = nearest_int(self.values[fields[f"{bundle}.sequence"].index])
+        index, bundle = self.layout.index, task.argument
+        sequence = nearest_int(self.values[index(f"{bundle}.sequence")])
         jump = sequence - self.last[number]
-        valid_from = self.values[fields[f"{bundle}.time_of_validity"].index]
+        valid_from = self.values[index(f"{bundle}.time_of_validity")]
         if jump == 0 or not valid_from <= time + tolerance:
             return
         self.last[number] = sequence
         if jump > 1:
-            self.values[fields[f"{bundle}.lost"].index] += jump - 1
+            self.values[index(f"{bundle}.lost")] += jump - 1
             self.events.append(life.sentence("LOST", time, jump - 1, f"{bundle}.sequence"))
         self._run(task, sequence, time, period)
 

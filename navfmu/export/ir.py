@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,10 @@ class Variable:
     ``index`` is the place of its first number in ``v``, and its value reference; the others follow in C order.
     ``start``, ``min`` and ``max`` have a number for each. The texts of all Strings of a model are numbered from 0, and
     the number of a String is that of its text.
+
+    A member of an array of bundles is one variable, too, whose first dimensions, ``bundles``, are those of that array:
+    "station.bias" of shape (5, 2) with ``bundles`` (5,) has the elements "station[1].bias[1]", "station[1].bias[2]",
+    "station[2].bias[1]" ...
     """
 
     index: int
@@ -56,6 +61,7 @@ class Variable:
     nominal: float | None = None
     description: str = ""
     bundle: str | None = None  # name of the bundle it belongs to
+    bundles: tuple[int, ...] = ()  # shape of the array of bundles it belongs to
     fault: bool = False  # an input that exists to inject a physical fault
     difference: bool = False  # between two values of its quantity: without an origin
     enumeration: Enumeration | None = None  # of an Integer that is one
@@ -75,6 +81,11 @@ class Variable:
     def elements(self) -> tuple[Element, ...]:
         """Return its numbers one by one, in C order."""
         return tuple(Element(self, number) for number in range(self.size))
+
+    def at(self, place: tuple[int, ...], inner: str = "") -> str:
+        """Return its name with the indices of one bundle (from 0): "station[2].bias", and what follows that."""
+        member = self.name.removeprefix(self.bundle or "")
+        return f"{self.bundle}{subscript(place)}{member}{inner}" if self.bundles else f"{self.name}{inner}"
 
 
 @dataclass(frozen=True)
@@ -99,14 +110,21 @@ class Element:
         return tuple(place)
 
     @property
-    def subscript(self) -> str:
-        """How FMI writes its indices: "[1,2]"; nothing for a scalar."""
-        return f"[{','.join(str(at + 1) for at in self.place)}]" if self.variable.shape else ""
+    def subscripts(self) -> tuple[str, str]:
+        """How FMI writes its indices, those of its bundle and its own: ("", "[1,2]"); nothing for a scalar."""
+        count = len(self.variable.bundles)
+        return subscript(self.place[:count]), subscript(self.place[count:])
 
     @property
     def name(self) -> str:
-        """Its name in FMI 2.0: "reading.rate[1]"."""
-        return self.variable.name + self.subscript
+        """Its name in FMI 2.0: "reading.rate[1]", "station[2].range"."""
+        count = len(self.variable.bundles)
+        return self.variable.at(self.place[:count], subscript(self.place[count:]))
+
+    @property
+    def bundle(self) -> str | None:
+        """The bundle it belongs to: "reading", "station[2]"."""
+        return self.variable.bundle and self.variable.bundle + self.subscripts[0]
 
     @property
     def start(self) -> float:
@@ -240,6 +258,28 @@ class Model:
         return elements(self.variables)
 
 
+def subscript(place: tuple[int, ...]) -> str:
+    """Return indices (from 0) as FMI writes them, from 1: "[1,2]"; nothing if there are none."""
+    return f"[{','.join(str(at + 1) for at in place)}]" if place else ""
+
+
 def elements(variables: Iterable[Variable]) -> tuple[Element, ...]:
     """Return the numbers of variables one by one."""
     return tuple(element for variable in variables for element in variable.elements())
+
+
+def named(variables: Iterable[Variable]) -> dict[str, tuple[range, tuple[int, ...]]]:
+    """Return what each name stands for: places in ``v``, and the shape of their values.
+
+    Elements have names, arrays, and those in one bundle of an array of bundles ("station[2].bias").
+    """
+    found = {}
+    for variable in variables:
+        found[variable.name] = variable.indices, variable.shape
+        inner = variable.shape[len(variable.bundles) :]
+        size = math.prod(inner)
+        for number, place in enumerate(product(*map(range, variable.bundles))):
+            first = variable.index + number * size
+            found[variable.at(place)] = range(first, first + size), inner
+        found |= {element.name: (range(element.index, element.index + 1), ()) for element in variable.elements()}
+    return found

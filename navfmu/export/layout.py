@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
 import string
 import zlib
+from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
+from itertools import product
 from typing import Any, NoReturn
 
 from navfmu.errors import NavfmuError, nearest
@@ -17,6 +21,7 @@ from navfmu.export.place import check_text
 from navfmu.export.requirement import Requirement
 from navfmu.export.task import MARKS, TaskDeclaration
 from navfmu.export.variable import TYPES, Input, Output, Parameter, Variable
+from navfmu.fmi.names import hint
 
 RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout"}
 
@@ -57,6 +62,7 @@ class Layout:
         text = inspect.cleandoc(component.__doc__ or "")
         check_text(place, f"component {component.__name__}", text)
         self.description, _, self.text = (part.strip() for part in text.partition("\n"))
+        self.tasks = [replace(task, stream=i) for i, task in enumerate(t for s in self.tasks for t in self._each(s))]
         self.uses_noise = any(t.uses_noise for t in self.tasks)
         if self.uses_noise:
             stream = zlib.crc32(self.name.encode()) & 0x7FFFFFFF
@@ -89,7 +95,7 @@ class Layout:
         elif held := _held(member):
             self.fail(
                 f"'{name}' is a {type(member).__name__} of declarations; declare each as an attribute, or an array: "
-                'State(3, "m")',
+                'State(3, "m"), Bundle(3, ...)',
                 held.place,
             )
         if isinstance(member, Variable):
@@ -101,12 +107,8 @@ class Layout:
         elif hasattr(member, "_navfmu_task"):
             kind, argument, offset, place = member._navfmu_task
             check_text(place, f"task '{name}'", member.__doc__ or "")
-            parameters = list(inspect.signature(member).parameters)
-            if parameters[1:] not in ([], ["noise"]):
-                self.fail(f"task '{name}' takes self and, if it needs random numbers, noise", place)
-            stream = len(self.tasks)
-            noisy = len(parameters) == 2
-            self.tasks.append(TaskDeclaration(name, kind, member, argument, offset, noisy, stream, place))
+            noisy = [*inspect.signature(member).parameters][-1:] == ["noise"]
+            self.tasks.append(TaskDeclaration(name, kind, member, argument, offset, noisy, 0, place))
         elif hasattr(member, "_navfmu_requirement"):
             message, place = member._navfmu_requirement
             check_text(place, f"requirement '{name}'", message)
@@ -118,10 +120,14 @@ class Layout:
             names = tuple(name for name, _, _ in shown)
             self.requirements.append(Requirement(message, member, names, place))
 
-    def _add(self, name: str, declared: Variable, bundle: str | None = None) -> None:
+    def _add(self, name: str, declared: Variable, bundle: str | None = None, bundles: tuple[int, ...] = ()) -> None:
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)?", name):
             what = f"'{name}' cannot be the name of a variable of FMI 2.0: expected letters from A to Z, digits and '_'"
             self.fail(what, declared.place)
+
+        def of_each(numbers: tuple[float, ...] | None) -> tuple[float, ...] | None:
+            return numbers and numbers * math.prod(bundles)
+
         causality = declared.causality
         if causality == "parameter":
             variability = "tunable" if declared.tunable else "fixed"
@@ -135,15 +141,16 @@ class Layout:
             causality=causality,
             variability=variability,
             initial=None if causality == "input" else "exact",
-            start=tuple(map(float, self._text_numbers(declared))) if declared.texts else tuple(declared.start.tolist()),
-            shape=declared.shape,
+            start=of_each(tuple(map(float, self._text_numbers(declared) if declared.texts else declared.start))),
+            shape=bundles + declared.shape,
             unit=declared.unit if declared.kind == "real" else None,
             display_unit=declared.display_unit,
-            min=declared.bound("min"),
-            max=declared.bound("max"),
+            min=of_each(declared.bound("min")),
+            max=of_each(declared.bound("max")),
             nominal=declared.nominal,
             description=declared.description,
             bundle=bundle,
+            bundles=bundles,
             fault=declared.fault,
             difference=declared.difference,
             enumeration=self._enumeration(declared),
@@ -168,36 +175,46 @@ class Layout:
 
     def _add_bundle(self, name: str, bundle: Bundle) -> None:
         self.bundles[name] = bundle
-        for key, member in bundle.members.items():
-            self._add(f"{name}.{key}", member, name)
         make = Input if bundle.causality == "input" else Output
         what = bundle.description or name
-        self._add(f"{name}.valid", make(kind="boolean", description=f"{what}: the values can be used"), name)
-        sequence = make(kind="integer", min=0, description=f"{what}: number of the sample, changes with new data")
-        self._add(f"{name}.sequence", sequence, name)
-        self._add(f"{name}.time_of_validity", make("s", description=f"{what}: time the values hold for"), name)
+        members = bundle.members | {
+            "valid": make(kind="boolean", description=f"{what}: the values can be used"),
+            "sequence": make(kind="integer", min=0, description=f"{what}: number of the sample, changes with new data"),
+            "time_of_validity": make("s", description=f"{what}: time the values hold for"),
+        }
+        for key, member in members.items():
+            self._add(f"{name}.{key}", member, name, bundle.shape)
+
+    def _each(self, task: TaskDeclaration) -> Iterable[TaskDeclaration]:
+        """Yield a task for each bundle of the array of bundles that one waits for, or the task itself."""
+        bundle = self.bundles.get(task.argument or "") if task.kind == "on_new" else None
+        shape = bundle.shape if bundle else ()
+        if len(inspect.signature(task.function).parameters) != 1 + len(shape) + task.uses_noise:
+            which = f" and which bundle of the array '{task.argument}', from 0," if shape else ""
+            self.fail(f"task '{task.name}' takes self{which} and, if it needs random numbers, noise", task.place)
+        for place in product(*map(range, shape)):
+            at = ir.subscript(place)
+            yield replace(task, name=task.name + at, argument=task.argument and task.argument + at, element=place)
 
     def _check_tasks(self, component: type) -> None:
         tick = getattr(component, "tick", None)
         clocks = [(t.argument, t.offset) for t in self.tasks if t.kind == "every"]
         for task in self.tasks:
-            if task.kind == "on_new":
-                bundle = self.bundles.get(task.argument)
+            if task.kind == "on_new" and not any(task.element):
+                name = task.argument.removesuffix(ir.subscript(task.element))
+                bundle = self.bundles.get(name)
                 if bundle is None or bundle.causality != "input":
                     known = [b for b, d in self.bundles.items() if d.causality == "input"]
-                    self.fail(
-                        f"task '{task.name}': '{task.argument}' is no input Bundle{nearest(task.argument, known)}",
-                        task.place,
-                    )
+                    self.fail(f"task '{task.name}': '{name}' is no input Bundle{nearest(name, known)}", task.place)
                 if not tick and not clocks:
                     self.fail(
                         'a component with on_new and no every needs a clock: tick = "<name of a Parameter in s>"',
                         task.place,
                     )
-                lost = Output(kind="integer", min=0, description=f"samples of {task.argument} that were never seen")
-                if f"{task.argument}.lost" in self.fields:
-                    self.fail(f"two tasks wait for bundle '{task.argument}'", task.place)
-                self._add(f"{task.argument}.lost", lost, task.argument)
+                if f"{name}.lost" in self.fields:
+                    self.fail(f"two tasks wait for bundle '{name}'", task.place)
+                lost = Output(kind="integer", min=0, description=f"samples of {name} that were never seen")
+                self._add(f"{name}.lost", lost, name, bundle.shape)
         self.tick = self._tick(tick, clocks)
         for task in self.tasks:
             if clock := self._named_clock(task):
@@ -206,7 +223,7 @@ class Layout:
         for requirement in self.requirements:
             for name in requirement.names:
                 if self.index(name) is None:
-                    self.fail(f"the sentence names '{name}', unknown{nearest(name, self._indices)}", requirement.place)
+                    self.fail(f"the sentence names '{name}', unknown{hint(name, self.named)}", requirement.place)
                 if self.elements[self.index(name)].variable.type == "String":
                     self.fail(f"the sentence names '{name}', which is a string; it shows numbers", requirement.place)
 
@@ -252,10 +269,10 @@ class Layout:
         return ir.elements(self.variables)
 
     @cached_property
-    def _indices(self) -> dict[str, int]:
-        """Value references by FMI name; an array's name gives its first element."""
-        return {element.name: element.index for element in self.elements} | {n: v.index for n, v in self.fields.items()}
+    def named(self) -> dict[str, tuple[range, tuple[int, ...]]]:
+        """What each name of FMI stands for: value references, and the shape of their values."""
+        return ir.named(self.variables)
 
     def index(self, name: str) -> int | None:
         """Return the value reference of an FMI name (an array's name gives its first element), None if unknown."""
-        return self._indices.get(name)
+        return self.named[name][0][0] if name in self.named else None

@@ -104,12 +104,12 @@ def _task(layout: Layout, task: TaskDeclaration, functions: dict) -> ir.Task:
 
 
 def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
-    index = {name: field.index for name, field in layout.fields.items()}
+    index = layout.index
     on_new = task.kind == "on_new"
     clock = layout.clock(task)
     frame = TraceFrame(layout, None if clock is None else clock.period)
     component = layout.component(frame)
-    arguments = (frame.noise,) if task.uses_noise else ()
+    arguments = (*task.element, *([frame.noise] if task.uses_noise else []))
     _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
     targets, values = frame.changes()
     return ir.Task(
@@ -120,9 +120,9 @@ def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
         normals=frame.normals,
         stream=task.stream,
         clock=clock,
-        sequence=index[f"{task.argument}.sequence"] if on_new else None,
-        time_of_validity=index[f"{task.argument}.time_of_validity"] if on_new else None,
-        lost=index[f"{task.argument}.lost"] if on_new else None,
+        sequence=index(f"{task.argument}.sequence") if on_new else None,
+        time_of_validity=index(f"{task.argument}.time_of_validity") if on_new else None,
+        lost=index(f"{task.argument}.lost") if on_new else None,
     )
 
 

@@ -58,7 +58,7 @@ def _panels(model: ir.Model, response: Response) -> dict[str, dict[str, Any]]:
             element = model.elements[response.indices[column]]
             variable = element.variable
             scale, offset = display(variable, 1.0)[0] - display(variable, 0.0)[0], display(variable, 0.0)[0]
-            curves[element.subscript] = drawn(scale * response.values[:, column] + offset)
+            curves["".join(element.subscripts)] = drawn(scale * response.values[:, column] + offset)
         unit = display(variable, 0.0)[1]
         panels[f"{name} ({unit})" if unit else name] = curves
     return panels

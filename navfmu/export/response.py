@@ -5,17 +5,18 @@ from __future__ import annotations
 import ctypes
 import os
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import NavfmuError
 from navfmu.export import codegen, ir
 from navfmu.export.description import display
 from navfmu.export.example import Example
+from navfmu.fmi.names import hint
 
 #: Height of the step of an input, by its unit.
 _STEPS = {"m": 100.0, "m/s": 10.0, "m/s2": 1.0, "rad": 0.1, "rad/s": 0.02, "T": 1e-5, "Pa": 1000.0, "K": 5.0}
@@ -69,11 +70,11 @@ def step_response(model: ir.Model, guid: str, library: Path, example: Example | 
     column = {index: values[:, j] for j, index in enumerate(outputs)}
     panels = example.panels({"time": time, **_arrays(model, column)}) if example.panels else {}
     shown = _shown(model, example)
-    sequences = {v.bundle: v.index for v in model.variables if v.name == f"{v.bundle}.sequence"}
+    sequences = {e.bundle: e.index for e in model.elements if e.variable.name == f"{e.variable.bundle}.sequence"}
     table = np.empty((count + 1, len(shown)))
     for j, index in enumerate(shown):
         table[:, j] = column[index]
-        if bundle := model.elements[index].variable.bundle:
+        if bundle := model.elements[index].bundle:
             table[column[sequences[bundle]] == 0, j] = np.nan
     return Response(time, shown, table, onset, stepped, fed, example, panels)
 
@@ -110,16 +111,15 @@ def _feed(
         if variable.type == "Boolean":
             feed |= dict.fromkeys(variable.indices, np.ones(len(time)))
         elif variable.name == f"{variable.bundle}.sequence":
-            feed[variable.index] = number
+            feed |= dict.fromkeys(variable.indices, number)
         elif _is_time_of_validity(variable):
-            feed[variable.index] = (number - 1) * period if period else time
+            feed |= dict.fromkeys(variable.indices, (number - 1) * period if period else time)
     for name, array in (example.inputs(time) if example.inputs else {}).items():
-        rows = np.asarray(array, dtype=float).reshape(len(time), *np.shape(array)[1:])
-        for index in _values(model, {name: rows[0]}):
-            element = model.elements[index]
-            column = rows[(slice(None), *element.place)] if name == element.variable.name else rows
+        rows = np.asarray(array, dtype=float)
+        columns = rows.reshape(len(time), -1).T
+        for index, column in zip(_values(model, {name: rows[0]}), columns, strict=True):
             # a value that is not data of a bundle is that of the step's end, when the component looks at it
-            feed[index] = column if element.variable.bundle else np.append(column[1:], column[-1])
+            feed[index] = column if model.elements[index].bundle else np.append(column[1:], column[-1])
     return feed
 
 
@@ -134,38 +134,27 @@ def _shown(model: ir.Model, example: Example) -> list[int]:
     outputs = [v for v in model.variables if v.causality == "output"]
     if example.shows is None:
         return [i for v in outputs if v.type == "Real" and not _is_time_of_validity(v) for i in v.indices]
-    known = _indices(outputs)
+    known = ir.named(outputs)
     for name in example.shows:
         if name not in known:
             raise NavfmuError(
-                f"component '{model.name}': its example shows '{name}', which is no output{nearest(name, known)}"
+                f"component '{model.name}': its example shows '{name}', which is no output{hint(name, known)}"
             )
-    return [index for name in example.shows for index in known[name]]
-
-
-def _indices(variables: Iterable[ir.Variable]) -> dict[str, Sequence[int]]:
-    """Return the places in ``v`` that names stand for: of elements, and of whole arrays."""
-    variables = list(variables)
-    return {e.name: [e.index] for e in ir.elements(variables)} | {v.name: v.indices for v in variables}
+    return [index for name in example.shows for index in known[name][0]]
 
 
 def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
     """Return values given by name (an array for an array) by index."""
-    inputs = [v for v in model.variables if v.causality in ("input", "parameter")]
-    known = _indices(inputs)
-    shapes = {v.name: v.shape for v in inputs}
+    known = ir.named(v for v in model.variables if v.causality in ("input", "parameter"))
     values: dict[int, Any] = {}
     for name, value in example.items():
+        where = f"component '{model.name}': its example sets '{name}'"
         if name not in known:
-            raise NavfmuError(
-                f"component '{model.name}': its example sets '{name}', which is no input or parameter"
-                f"{nearest(name, known)}"
-            )
-        if np.shape(value) != (shape := shapes.get(name, ())):
-            raise NavfmuError(
-                f"component '{model.name}': its example sets '{name}' to shape {np.shape(value)}, expected {shape}"
-            )
-        values |= zip(known[name], np.ravel(value).tolist(), strict=True)
+            raise NavfmuError(f"{where}, which is no input or parameter{hint(name, known)}")
+        indices, shape = known[name]
+        if np.shape(value) != shape:
+            raise NavfmuError(f"{where} to values of shape {np.shape(value)}, expected {shape}")
+        values |= zip(indices, np.ravel(value).tolist(), strict=True)
     return values
 
 

@@ -21,11 +21,12 @@ class TaskDeclaration:
     name: str
     kind: str  # "start", "every", "on_new"
     function: Callable
-    argument: str | None  # "every": the parameter with the period; "on_new": the input bundle
+    argument: str | None  # "every": the parameter with the period; "on_new": the input bundle, "station[2]"
     offset: str | None  # "every": the parameter with the time of the first tick, if there is one
     uses_noise: bool
     stream: int  # third word of the noise counter
     place: str
+    element: tuple[int, ...] = ()  # "on_new": which bundle of an array, from 0; the method is told
 
 
 def start(function: Callable) -> Callable:
@@ -48,7 +49,10 @@ def every(period: str, *, offset: str | None = None) -> Callable:
 
 
 def on_new(bundle: str) -> Callable:
-    """Mark a method that runs at the first tick that sees new data in the input bundle."""
+    """Mark a method that runs at the first tick that sees new data in the input bundle.
+
+    For an array of bundles it runs for each that has new data, and is told which: ``def take(self, i)``, from 0.
+    """
     if not isinstance(bundle, str):
         raise NavfmuError(f"{place()}: on_new({bundle!r}) needs the name of an input Bundle")
     return lambda function: _task("on_new", function, bundle)

@@ -1,8 +1,8 @@
-"""Variables of a component: its inputs, outputs, parameters and states, scalar, vector or matrix."""
+"""Variables of a component: its inputs, outputs, parameters and states, scalars or arrays of any dimensions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 from typing import Any, NoReturn
 
@@ -16,8 +16,16 @@ from navfmu.export.text import LONGEST, texts
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Integer", "string": "String"}
 
 
+def shape_of(fail: Callable[[str], NoReturn], shape: Any) -> tuple[int, ...]:
+    """Return a shape, given as a whole number or several, or ``fail``."""
+    items = shape if isinstance(shape, tuple | list) else (shape,)
+    if not all(isinstance(n, int | np.integer) and not isinstance(n, bool) and n >= 1 for n in items):
+        fail(f"shape {shape!r} is none; expected a whole number from 1 on, or several in a tuple")
+    return tuple(int(n) for n in items)
+
+
 class Variable:
-    """One declared variable, scalar, vector or matrix; use the subclasses.
+    """One declared variable, a scalar or an array: ``Input("m")``, ``State(4, 15, "m")``; use the subclasses.
 
     A ``difference`` between two values has no origin: 10 degC of it are 10 K.
 
@@ -51,17 +59,17 @@ class Variable:
         self.unit: str | None = None
         self.shape: tuple[int, ...] = ()
         for item in shape_and_unit:
-            if isinstance(item, str):
+            if not isinstance(item, str):
+                self.shape += shape_of(self.fail, item)
+            elif self.unit is None:
                 self.unit = item
             else:
-                self.shape = (int(item),) if isinstance(item, int | np.integer) else tuple(int(n) for n in item)
+                self.fail(f"two units are given, {self.unit!r} and {item!r}")
         if kind not in TYPES:
             known = list(TYPES)
             self.fail(f"kind is {kind!r}, expected {', '.join(known[:-1])} or {known[-1]}{nearest(str(kind), known)}")
         if kind == "real" and self.unit is None:
             self.fail('a real variable needs its unit, for example Input("m/s2"), or "1" if it has none')
-        if any(n < 1 for n in self.shape) or len(self.shape) > 2:
-            self.fail(f"shape {self.shape} is neither scalar, vector nor matrix")
         if tunable and not isinstance(self, Parameter):
             self.fail("tunable is for parameters")
         if fault and not isinstance(self, Input):

@@ -194,10 +194,10 @@ class _Compiler:
         found = names.group(description.by_name, variable)
         if not found:
             known = names.short(v.name for v in description.variables if v.causality in ("input", "output"))
-            hint = nearest(variable, known) or (f" (it has: {', '.join(known)})" if 0 < len(known) <= FEW else "")
+            hint = names.hint(variable, known) or (f" (it has: {', '.join(known)})" if 0 < len(known) <= FEW else "")
             raise self.error(node, f"component '{component}' has no variable '{variable}'{hint}")
-        if any(suffix.startswith(".") for suffix in found):
-            members = ", ".join(names.array(name) for name in dict.fromkeys(map(names.array, found.values())))
+        if not all(map(names.is_element, found)):
+            members = ", ".join(dict.fromkeys(map(names.array, found.values())))
             raise self.error(node, f"'{component}.{variable}' is a bundle, expected one of its members: {members}")
         values = [self.load(node, component, description.by_name[full], true) for full in found.values()]
         return values[0] if "" in found else Value((), unit=values[0].unit, own=values[0].own, array=tuple(values))

@@ -1,7 +1,8 @@
 """What a name stands for.
 
 In an FMU: a variable ("tau"), all elements of an array ("x" for "x[1]", "x[2]" ...), all members of a bundle ("reading"
-for "reading.rate[1]", "reading.valid" ...). In a system the component's name comes first ("imu.reading"), alone it
+for "reading.rate[1]", "reading.valid" ...) or of all bundles of an array ("station" for "station[1].range" ...; one of
+them is "station[1]"). In a system the component's name comes first ("imu.reading"), alone it
 stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for the outputs whose names match.
 """
 
@@ -73,6 +74,17 @@ def bundle(name: str) -> str:
     return name.rpartition(".")[0]
 
 
+def hint(name: str, known: Iterable[str]) -> str:
+    """What to write instead of a name that is not known: from where to where indices go, or the nearest name."""
+    known = list(known)
+    wanted = re.sub(_SUBSCRIPT, "[]", name)
+    ranges = [other for other in known if "[" in wanted and re.sub(_SUBSCRIPT, "[]", other) == wanted]
+    if not ranges:
+        return nearest(name, known)
+    first, last = (end(ranges, key=lambda other: [*map(int, re.findall(r"\d+", other))]) for end in (min, max))
+    return f"; indices go from '{first}' to '{last}'"
+
+
 # ---- in an FMU -------------------------------------------------------------------------------------------------------
 
 
@@ -99,8 +111,8 @@ def members(description: Description, name: str, causalities: set[str], where: s
     """The variables that ``name`` stands for and that have one of the causalities, by suffix."""
     chosen = {suffix: description.by_name[full] for suffix, full in group(description.by_name, name).items()}
     if not chosen:
-        hint = nearest(name, short(v.name for v in description.with_causality(*causalities)))
-        raise NavfmuError(f"{where}: {description.model_name} has no variable '{name}'{hint}")
+        close = hint(name, short(v.name for v in description.with_causality(*causalities)))
+        raise NavfmuError(f"{where}: {description.model_name} has no variable '{name}'{close}")
     right = {suffix: variable for suffix, variable in chosen.items() if variable.causality in causalities}
     if not right:
         is_ = next(iter(chosen.values())).causality
@@ -114,6 +126,11 @@ def bundles(description: Description) -> list[str]:
     """The output bundles: those with "valid" and "sequence"."""
     outputs = {variable.name for variable in description.with_causality("output")}
     return sorted(bundle(name) for name in outputs if f"{bundle(name)}.sequence" in outputs and name.endswith(".valid"))
+
+
+def meant(bundles: Iterable[str], name: str) -> list[str]:
+    """Which of these bundles a name stands for: that bundle, or all of an array of bundles."""
+    return [bundle for bundle in bundles if name in (bundle, array(bundle))]
 
 
 def counters(description: Description) -> list[Variable]:
@@ -141,7 +158,7 @@ def find(system: Mapping[str, Description], name: str, where: str) -> Signal:
         raise NavfmuError(f"{where}: there is no component '{component}'{nearest(component, system)}")
     known = system[component].by_name
     if variable not in known:
-        raise NavfmuError(f"{where}: component '{component}' has no variable '{variable}'{nearest(variable, known)}")
+        raise NavfmuError(f"{where}: component '{component}' has no variable '{variable}'{hint(variable, known)}")
     return Signal(component, known[variable])
 
 
@@ -201,6 +218,6 @@ def chosen(signals: Sequence[str], names: Iterable[str], where: str) -> list[str
     for name in names:
         meant = [name] if name in signals else [signal for signal in signals if stands_for(name, signal)]
         if not meant:
-            raise NavfmuError(f"{where}: there is no signal '{name}'{nearest(name, short(signals))}")
+            raise NavfmuError(f"{where}: there is no signal '{name}'{hint(name, short(signals))}")
         found |= dict.fromkeys(meant)
     return list(found)

@@ -10,7 +10,7 @@ from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.fmi.description import Description, Variable
-from navfmu.fmi.names import group, short
+from navfmu.fmi.names import group, hint, is_element, short
 from navfmu.fmi.seconds import UNITS, is_finite
 from navfmu.fmi.units import COMMON, Unit, alike, conversion, per_second
 
@@ -27,9 +27,9 @@ def expand(description: Description, values: Mapping[str, Any], where: str) -> d
     for name, value in values.items():
         found = group(description.by_name, name)
         if not found:
-            hint = nearest(name, short(v.name for v in description.variables if v.settable))
-            raise NavfmuError(f"{where}: {description.model_name} has no parameter '{name}'{hint}")
-        if any(suffix.startswith(".") for suffix in found):
+            close = hint(name, short(v.name for v in description.variables if v.settable))
+            raise NavfmuError(f"{where}: {description.model_name} has no parameter '{name}'{close}")
+        if not all(map(is_element, found)):
             members_ = ", ".join(found.values())
             raise NavfmuError(f"{where}: '{name}' is a bundle; name one of its members: {members_}")
         own = description.by_name.get(name)

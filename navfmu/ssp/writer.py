@@ -28,7 +28,7 @@ from navfmu.files.reading import read_bytes, what_is
 from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.fmu import describe
-from navfmu.fmi.names import members
+from navfmu.fmi.names import is_element, members
 from navfmu.fmi.units import BASE, Unit
 from navfmu.fmi.values import expand
 from navfmu.ssp.document import MAIN, NAMESPACES, OMS, OSP, PARAMETER_SET, RESOURCES
@@ -94,7 +94,7 @@ class SystemSource:
             if any(c[2:] == (target, variable.name) for c in self._connections):
                 raise NavfmuError(f"{where}: input '{target}.{variable.name}' is connected already")
             self._connections.append((source, other.name, target, variable.name))
-        if not any(suffix.startswith(".") for suffix in inputs) and len(outputs) != len(inputs):
+        if all(map(is_element, inputs)) and len(outputs) != len(inputs):
             raise NavfmuError(f"{where}: the output has {len(outputs)} elements, the input {len(inputs)}")
         return self
 

@@ -343,8 +343,8 @@ def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure:
     for setting in component.settings:
         variable = fmu.description.by_name.get(setting.name)
         if variable is None:
-            hint = nearest(setting.name, fmu.description.by_name)
-            ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{hint}")
+            close = names.hint(setting.name, fmu.description.by_name)
+            ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{close}")
             continue
         name = f"{component.name}.{setting.name}"
         if name in fed:

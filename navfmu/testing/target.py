@@ -36,8 +36,10 @@ def _usual(system: System, target: str) -> str:
     component, rest = names.split(target)
     what, variability = found[0].causality, found[0].variability
     source = {link.target: link.source for link in system.links}.get(f"{component}.{found[0].name}")
-    members = names.group(system.descriptions[component].by_name, rest)
-    if {".valid", ".sequence"} <= members.keys() and (what == "output" or source is not None):
+    known = system.descriptions[component].by_name
+    bundles = [names.bundle(name) for name in known if name.endswith(".valid")]
+    is_bundle = any(f"{bundle}.sequence" in known for bundle in names.meant(bundles, rest))
+    if is_bundle and (what == "output" or source is not None):
         return "dropout"
     if what == "input" and source is None:
         return "input"

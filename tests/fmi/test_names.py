@@ -115,3 +115,11 @@ def test_names_are_folded_for_people():
     found = [f"{name}[{i}]{rest}" for i in (1, 2, 3) for name, rest in (("s", ".valid"), ("s", ".bias[1]"), ("x", ""))]
     assert names.folded(found) == ["s[1…3].valid", "s[1…3].bias", "x"]
     assert names.folded(["m[1,1].a", "m[2,3].a", "s[2].b", "y"]) == ["m[1,1…2,3].a", "s[2].b", "y"]
+
+
+def test_indices_that_there_are_not_get_a_range_and_other_names_the_nearest():
+    known = [f"s[{i}].range" for i in range(1, 13)] + ["m[1,1]", "m[2,3]", "tau"]
+    assert names.hint("s[0].range", known) == "; indices go from 's[1].range' to 's[12].range'"
+    assert names.hint("m[3]", known) == "; indices go from 'm[1,1]' to 'm[2,3]'"
+    assert names.hint("tau[1]", known) == "; did you mean 'tau'?"
+    assert names.hint("tua", known) == "; did you mean 'tau'?"
