@@ -14,8 +14,8 @@ from navfmu.export.graph import Array, Node, element, settled
 from navfmu.export.printer import c_function, c_helpers, c_number, has_arrays
 from navfmu.files import numbers
 
-#: The vectors that a task's function reads, in order.
-VECTORS = ("v", "noise", "time", "rows", "fixed")
+#: The vectors that a task's function reads, in order, and what its routines search.
+VECTORS, TABLES = ("v", "noise", "time", "fixed"), ("Table *tables",)
 
 
 def generate(model: ir.Model, guid: str) -> str:
@@ -58,6 +58,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     ticking = clocks(model)
     yield f"/* The model {model.name}, generated from its equations. */"
     yield '#include "model.h"'
+    if model.tables:
+        yield '#include "table.h"'
     yield ""
     yield "#include <math.h>"
     yield ""
@@ -69,11 +71,11 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         yield '#include "arrays.h"'
         yield ""
         yield from c_helpers(results)
-    yield c_function("fixed_values", ["v"], once)
+    yield c_function("fixed_values", ["v"], once, others=TABLES)
     for i, task in enumerate(model.tasks):
-        yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {})
+        yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {}, others=TABLES)
     for i, check in enumerate(model.checks):
-        yield c_function(f"check_{i}", VECTORS, [check.holds])
+        yield c_function(f"check_{i}", VECTORS, [check.holds], others=TABLES)
     yield from _array(
         "Variable",
         "model_variables",
@@ -154,7 +156,6 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "has_calculated": int(any(v.initial == "calculated" for v in model.variables)),
         "most_normals": most(task.normals for task in model.tasks),
         "most_targets": most([1, *(len(task.targets) for task in model.tasks)]),
-        "row_values": sum(2 * len(table.columns) for table in model.tables),
     }
     yield "static const Model model = {"
     yield from (f"    .{name} = {value}," for name, value in fields.items())

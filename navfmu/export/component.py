@@ -27,8 +27,8 @@ from navfmu.errors import nearest
 from navfmu.export.bundle import Bundle
 from navfmu.export.frame import Frame
 from navfmu.export.layout import Layout
+from navfmu.export.numbers import Numbers
 from navfmu.export.place import place
-from navfmu.export.table import Table
 from navfmu.export.variable import Variable
 
 
@@ -56,7 +56,7 @@ class Component:
         return self._frame.period
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if isinstance(getattr(type(self), name, None), Variable | Bundle | Table):
+        if isinstance(getattr(type(self), name, None), Variable | Bundle | Numbers):
             object.__setattr__(self, name, value)
         elif name in ("time", "period"):
             self._frame.fail(f"'{name}' cannot be assigned")

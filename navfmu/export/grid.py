@@ -19,6 +19,8 @@ class Grid(Numbers):
     in a :class:`~navfmu.export.table.Table`.
     """
 
+    between_keys = "and"
+
     def __init__(self, *, axes: tuple[tuple[str, str, Any], ...], surfaces: tuple[tuple[str, str, Any], ...]) -> None:
         super().__init__()
         if len(axes) != 2 or not surfaces:
@@ -34,6 +36,10 @@ class Grid(Numbers):
                 wanted = f"expected {expected}" if dimensions == 2 else "expected a list of numbers"
                 self.refuse(f"has '{name}' of shape {numbers.shape}, {wanted}")
         self.check()
+
+    def routine(self, key: int) -> tuple[Any, ...]:
+        """Return the C function that copies a cell, and the number that it is given."""
+        return "table_corners", len(self.columns) - 2
 
     @property
     def width(self) -> int:

@@ -194,7 +194,7 @@ class Task:
     """One piece of behaviour: when it runs, and the function that computes the new values.
 
     ``values`` are computed from the elements of ``v`` (all variables), ``noise`` (``normals`` standard normal numbers),
-    ``time`` (one element) and ``rows`` (for each table its row and next row, concatenated); ``values[i]`` is then
+    ``time`` (one element) and what routines find in ``tables``; ``values[i]`` is then
     stored in ``v[targets[i]]``.
     """
 

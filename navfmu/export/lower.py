@@ -31,12 +31,7 @@ class TraceFrame(Frame):
     def __init__(self, layout: Layout, period: int | None = None) -> None:
         self.symbols = trace.symbols("v", "".join(_KINDS[v.type] * v.size for v in layout.variables))
         super().__init__(layout, trace.symbols("time", "f")[0], 0.0 if period is None else self.symbols[period])
-        self.tables, first = {}, 0
-        for table in layout.tables:
-            both = trace.symbols("rows", "f" * 2 * len(table.columns), first)
-            both.setflags(write=False)
-            self.tables[table.name] = both
-            first += both.size
+        self.found: dict[tuple, Any] = {}  # a table, a key and the nodes of its values -> what was found there
         self.normals = 0
 
     def load(self, variable: ir.Variable) -> Any:
@@ -56,9 +51,18 @@ class TraceFrame(Frame):
         return array
 
     def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
-        if values[0] is not self.time:
-            self.fail("tables are searched by the time of the task only")
-        return self.tables[table.name]
+        points = np.broadcast_arrays(*(np.asarray(value) for value in values))
+        found = [self._look_up(table, key, point) for point in zip(*(p.ravel().tolist() for p in points), strict=True)]
+        return np.stack(found).reshape(*points[0].shape, table.width)
+
+    def _look_up(self, table: Numbers, key: int, point: Sequence[Any]) -> Any:
+        """Search by one value of a key, or of each axis; the same ones again are no other search."""
+        what = (table.name, key, *(getattr(value, "node", value) for value in point))
+        if what not in self.found:
+            name, *numbers = table.routine(key)
+            numbers = (self.layout.tables.index(table), *numbers)
+            self.found[what] = trace.routine(name, point, (table.width,), numbers=numbers, before=("tables",))
+        return self.found[what]
 
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
@@ -140,9 +144,8 @@ def _checks(layout: Layout) -> list[ir.Check]:
             layout.fail("a requirement must be one truth value; use np.all", requirement.place)
         names = tuple((name, layout.index(name)) for name in requirement.names)
         (result,) = trace.expressions(holds)
-        for vector, what in (("time", "time"), ("rows", "a table")):
-            if any(elements_used((result,), vector)):
-                layout.fail(f"a requirement is over parameters, and this one is over {what}", requirement.place)
+        if any(elements_used((result,), "time")):
+            layout.fail("a requirement is over parameters, and this one is over time", requirement.place)
         checks.append(ir.Check(result, requirement.message, names))
     return checks
 

@@ -21,6 +21,7 @@ class Numbers:
     columns: tuple[tuple[str, str], ...]
     numbers: tuple[np.ndarray, ...]
     keys: tuple[int, ...]
+    between_keys = "or"  # "and" where a search needs all of them
 
     def __init__(self) -> None:
         self.place, self.name = place(), ""
@@ -72,8 +73,13 @@ class Numbers:
         """Raise the error for a search by other columns than it has keys."""
         known = self.key_names()
         hint = next((nearest(name, known) for name in given if name not in known), "")
-        names, asked = (" and ".join(f"'{name}'" for name in names) for names in (known, given))
-        frame.fail(f"{type(self).__name__} '{self.name}' is searched by {names}, not by {asked or 'nothing'}{hint}")
+        names = f" {self.between_keys} ".join(f"'{name}'" for name in known)
+        asked = " and ".join(f"'{name}'" for name in given) or "nothing"
+        frame.fail(f"{type(self).__name__} '{self.name}' is searched by {names}, not by {asked}{hint}")
+
+    def routine(self, key: int) -> tuple[Any, ...]:
+        """Return the C function of the runtime that searches by a key, and the numbers that it is given."""
+        raise NotImplementedError
 
     @property
     def width(self) -> int:

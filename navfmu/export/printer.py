@@ -18,15 +18,20 @@ _SHORT = 4  # so many statements are no loop
 
 
 def c_function(
-    function: str, vectors: Iterable[str], results: Sequence[Node], known: Known = _NONE, values: Container[str] = ()
+    function: str,
+    vectors: Iterable[str],
+    results: Sequence[Node],
+    known: Known = _NONE,
+    values: Container[str] = (),
+    others: Iterable[str] = (),
 ) -> str:
     """Return a C function of the vectors and ``double *r`` that sets ``r[i]`` to ``results[i]``.
 
     The nodes that are ``known`` are read and not calculated; vectors of one number that are among ``values`` are passed
-    as such.
+    as such. ``others`` are declarations of what routines are given besides.
     """
     arguments = [f"double {v}" if v in values else f"const double *restrict {v}" for v in vectors]
-    head = f"static void {function}({', '.join([*arguments, 'double *restrict r'])}) {{"
+    head = f"static void {function}({', '.join([*arguments, *others, 'double *restrict r'])}) {{"
     return "\n".join([head, *_Body(results, known, values).lines(), "}", ""])
 
 
@@ -121,7 +126,7 @@ class _Body:
         """Return the lines of the function."""
         order = in_order(self.results, self.known)
         whole = [node for node in order if isinstance(node, Array) and node not in self.known]
-        if not whole:
+        if all(isinstance(array.how, Routine) for array in whole):
             order = _calls_first(order, self.known)
         self.fused = _fused(order, whole)
         last = self._last_uses(order)
@@ -510,15 +515,15 @@ def _fused(order: Sequence[Node], whole: Sequence[Array]) -> set:
 
 
 def _calls_first(nodes: list[Node], known: Container[Node]) -> list[Node]:
-    """Return nodes in another valid order: calls of the C library early, before each only what it needs.
+    """Return nodes in another valid order: calls early, before each only what it needs.
 
     A call destroys all registers: what was calculated before it and is used after it goes to memory and back.
     """
 
     def operands(node: Node) -> tuple:
-        return node.of if node.op in OPERATIONS and node not in known else ()
+        return () if node in known else depends(node)
 
-    calls = {node for node in nodes if node.op in CALLS and node not in known}
+    calls = {node for node in nodes if (node.op in CALLS or isinstance(node, Array)) and node not in known}
     depth: dict[Node, int] = {}  # how many calls one after the other lead to it
     for node in nodes:
         depth[node] = max((depth[n] for n in operands(node)), default=0) + (node in calls)

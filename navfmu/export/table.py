@@ -42,6 +42,10 @@ class Table(Numbers):
         self.keys = tuple(names.index(name) for name in keys)
         self.check()
 
+    def routine(self, key: int) -> tuple[Any, ...]:
+        """Return the C function that copies two rows, and the numbers that it is given."""
+        return "table_rows", self.keys[key], len(self.columns)
+
     @property
     def width(self) -> int:
         """A row and the next one."""

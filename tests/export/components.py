@@ -4,7 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from navfmu.export import Bundle, Component, Input, Output, Parameter, State, Table, every, on_new, require, start
+from navfmu.export import Bundle, Component, Grid, Input, Output, Parameter, State, Table, every, on_new, require, start
 
 
 class Sensor(Component):
@@ -86,6 +86,56 @@ class Rows(Component):
     @every("sample_period")
     def look(self):
         self.row, self.next_row = self.track.row, self.track.next_row
+
+
+class Searcher(Component):
+    """What is found in tables and grids around values that tasks calculate, in loops, and by a parameter."""
+
+    x = Input(3, "m", description="where to look")
+    y = Input("m", description="where to look on the second axis")
+    scale = Parameter("1", start=2.0, tunable=True, description="of what is looked for")
+    mark = Parameter("m", start=1.5, description="where to look once and for all")
+    sample_period = Parameter("s", start=0.5, min=1e-3, description="sampling period")
+    profile = Table(
+        columns=(("index", "1"), ("x", "m"), ("angle", "rad"), ("z", "m")),
+        rows=[[0, -4, 9, 1], [1, 0, 3, 2], [2, 1, 4, 4], [3, 1.5, 1, 8], [4, 9, 5, 7]],
+        key=("x", "index"),
+    )
+    ground = Grid(
+        axes=(("north", "m", [-1.0, 0.0, 2.0, 2.5]), ("east", "m", [-4.0, 0.0, 3.0])),
+        surfaces=(
+            ("height", "m", [[1, 2, 0], [4, 8, 1], [6, 3, 5], [7, 0, 2]]),
+            ("slope", "1", [[0.5, 1, 2], [3, 0.25, 4], [1, 1, 3], [0, 2, 5]]),
+        ),
+    )
+    rows = Output((3, 8), "1", description="both rows around each x")
+    between = Output((3, 4), "1", description="the row in between")
+    by_index = Output("m", description="z by another column")
+    many = Output(3, "m", description="z at scale x")
+    corners = Output(8, "1", description="corners around (x[0], y)")
+    ends = Output(4, "m", description="ends of that cell")
+    surface = Output(2, "1", description="both surfaces there")
+    along = Output(3, "m", description="height along x")
+    fixed = Output(2, "m", description="z and height at the mark")
+
+    @start
+    def begin(self):
+        self.by_index = self.profile.around(index=2.0).row[3]
+
+    @every("sample_period")
+    def look(self):
+        found = [self.profile.around(x=self.x[i]) for i in range(3)]
+        self.rows = np.array([np.concatenate([here.row, here.next_row]) for here in found])
+        self.between = np.array([here.linear() for here in found])
+        self.by_index = self.profile.around(index=self.x[0] - self.x[1]).linear()[3]
+        self.many = self.profile.around(x=self.scale * self.x).linear()[:, 3]
+        here = self.ground.around(north=self.x[0], east=self.y)
+        self.corners, self.ends = here.corners.ravel(), np.concatenate(here.ends)
+        self.surface = here.bilinear()
+        self.along = self.ground.around(east=self.y, north=self.x).bilinear()[:, 0]
+        self.fixed = np.array(
+            [self.profile.around(x=self.mark).linear()[3], self.ground.around(north=self.mark, east=0.5).bilinear()[0]]
+        )
 
 
 class TwoRates(Component):

@@ -4,7 +4,7 @@ import pytest
 
 from navfmu.export.build import build
 
-from .components import Lag, Listener, Mixed, Modes, Named, Rows, Sensor, Source, Ticking, TwoRates
+from .components import Lag, Listener, Mixed, Modes, Named, Rows, Searcher, Sensor, Source, Ticking, TwoRates
 from .slave import Unzipped
 
 
@@ -12,5 +12,5 @@ from .slave import Unzipped
 def unzipped(tmp_path_factory):
     """Name -> native FMU."""
     folder = tmp_path_factory.mktemp("small")
-    paths = build([Sensor, Listener, Source, Rows, TwoRates, Lag, Mixed, Modes, Named, Ticking], folder)
+    paths = build([Sensor, Listener, Source, Rows, Searcher, TwoRates, Lag, Mixed, Modes, Named, Ticking], folder)
     return {path.stem: Unzipped(path, folder / path.stem) for path in paths}

@@ -10,11 +10,13 @@ from navfmu.export.build import prepare
 from navfmu.export.lower import lower
 from tests import sanitizers
 
-from .components import Listener, Mixed, Modes, Named, Rows, Sensor, Source, Ticking, TwoRates
+from .components import Listener, Mixed, Modes, Named, Rows, Searcher, Sensor, Source, Ticking, TwoRates
 
 
 @sanitizers.needs_gcc
-@pytest.mark.parametrize("component", [Sensor, Listener, Source, Rows, TwoRates, Mixed, Modes, Named, Ticking])
+@pytest.mark.parametrize(
+    "component", [Sensor, Listener, Source, Rows, Searcher, TwoRates, Mixed, Modes, Named, Ticking]
+)
 def test_sanitizers_find_nothing_whatever_a_host_calls(component, tmp_path):
     model = lower(component)
     for name, text in prepare(model).files.items():

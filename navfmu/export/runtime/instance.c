@@ -63,7 +63,6 @@ static size_t lay_out(Instance *self, char *base) {
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
-    self->rows = take(base, &size, at_least_one(model.row_values), sizeof(double));
     if (base) lay_out_state(self, state);
     return size;
 }
@@ -163,19 +162,10 @@ static int run(Instance *self, const Task *task, int64_t k, double time) {
         uint64_t key[2] = {(uint64_t)nearest_int(self->v[model.seed]), (uint64_t)nearest_int(self->v[model.stream])};
         standard_normals(key, (uint64_t)k, task->stream, self->noise, task->normals);
     }
-    task->evaluate(self->v, self->noise, &time, self->rows, self->fixed, self->result);
+    task->evaluate(self->v, self->noise, &time, self->fixed, self->tables, self->result);
     if (check_wholes(self, task)) return 1;
     for (int i = 0; i < task->target_count; i++) self->v[task->targets[i]] = self->result[i];
     return 0;
-}
-
-static void look_up(Instance *self, double time) {
-    double *out = self->rows;
-    for (int i = 0; i < model.table_count; i++) {
-        const TableInfo *info = &model.tables[i];
-        if (!info->grid && info->keys[0] == 0) table_rows(&self->tables[i], 0, time, out);
-        out += 2 * info->columns;
-    }
 }
 
 static inline void instance_pass(Instance *self) {
@@ -184,7 +174,6 @@ static inline void instance_pass(Instance *self) {
 }
 
 static int run_start_tasks(Instance *self) {
-    look_up(self, self->state->start);
     for (int i = 0; i < model.task_count; i++) {
         if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start)) return 1;
     }
@@ -310,7 +299,6 @@ static void move_inputs(Instance *self, double since, int first) {
 /* One tick: all clocks that are due at its time, then all tasks in the order of their declaration. */
 static int tick(Instance *self, double elapsed, double tolerance) {
     const double time = self->state->start + elapsed;
-    look_up(self, time);
     uint64_t due = 0;
     for (int c = 0; c < model.clock_count; c++) {
         if (due_time(&self->clocks[c]) <= elapsed + tolerance) {
@@ -460,7 +448,7 @@ static int parameters_hold(Instance *self) {
     }
     if (good) good = clocks_hold(self);
     for (int i = 0; i < model.check_count && good; i++) {
-        model.checks[i].holds(self->v, self->noise, &self->state->start, self->rows, self->fixed, self->result);
+        model.checks[i].holds(self->v, self->noise, &self->state->start, self->fixed, self->tables, self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
             report_check(self, &model.checks[i]);
             good = 0;
@@ -471,7 +459,7 @@ static int parameters_hold(Instance *self) {
 
 static void instance_follow(Instance *self) {
     self->previewed = 0;
-    model.fix(self->v, self->fixed);
+    model.fix(self->v, self->tables, self->fixed);
 }
 
 static int instance_start(Instance *self) {

@@ -62,7 +62,7 @@ struct Instance {
     double *fixed;    /* follows from values that stand since initialisation: not part of the state */
 
     /* buffers of one task's run */
-    double *held, *noise, *result, *rows;
+    double *held, *noise, *result;
     void *memory;
 };
 

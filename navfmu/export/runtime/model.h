@@ -26,13 +26,15 @@ typedef struct {
     int is_parameter;
 } Variable;
 
-/* Calculates r from all variables, fresh random numbers, the time, rows of tables, and what Fix has calculated;
+typedef struct Table Table; /* table.h */
+
+/* Calculates r from all variables, fresh random numbers, the time, what Fix has calculated, and what is found in tables;
    r overlaps none of them. */
-typedef void Evaluate(const double *v, const double *noise, const double *time, const double *rows, const double *fixed,
+typedef void Evaluate(const double *v, const double *noise, const double *time, const double *fixed, Table *tables,
                       double *r);
 
 /* Calculates from the variables what stands once initialisation has ended. */
-typedef void Fix(const double *v, double *fixed);
+typedef void Fix(const double *v, Table *tables, double *fixed);
 
 /* Calculates, from the inputs in v, the outputs as they leave at communication point k, and what is remembered for later
    points. The last call at a point counts. */
@@ -115,7 +117,7 @@ typedef struct {
     const double *memory;        /* as they are before the start */
     double step;                 /* the only communication step that it knows (s); 0: any will do */
     int has_calculated;          /* some variable is calculated in initialisation mode */
-    int most_normals, most_targets, row_values; /* sizes of what the functions read and write */
+    int most_normals, most_targets; /* sizes of what the functions read and write */
 } Model;
 
 static const Model model; /* defined in model.c */

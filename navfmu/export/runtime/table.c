@@ -249,7 +249,7 @@ static uint64_t table_number(const Table *table, uint64_t before) {
 
 /* The last place from 0 to `last` whose number is not above the value; 0 if there is none, `last` for NaN. It is looked
    for in steps that double, from the place `from`, and then between two steps: near by it takes two comparisons. */
-static int64_t find(const double *numbers, size_t distance, int64_t last, double value, int64_t from) {
+static inline int64_t find(const double *numbers, size_t distance, int64_t last, double value, int64_t from) {
     if (value != value) return last;
     int64_t low = from, high = from + 1, step = 1; /* the place is low or above, and below high */
     if (numbers[(size_t)low * distance] <= value) {
@@ -275,19 +275,19 @@ static int64_t find(const double *numbers, size_t distance, int64_t last, double
     return low;
 }
 
-static inline void table_rows(Table *table, int key, double value, double *out) {
-    const size_t columns = (size_t)table->info->columns;
-    const double *numbers = table->values + table->info->keys[key];
-    table->last[0] = find(numbers, columns, table->sizes[0] - 2, value, table->last[0]);
-    memcpy(out, table->values + (size_t)table->last[0] * columns, 2 * columns * sizeof *out);
+static inline void table_rows(Table *tables, int table, int key, int columns, double value, double *out) {
+    Table *of = &tables[table];
+    const int64_t row = find(of->values + key, (size_t)columns, of->sizes[0] - 2, value, of->last[0]);
+    of->last[0] = row;
+    memcpy(out, of->values + (size_t)row * (size_t)columns, 2 * (size_t)columns * sizeof *out);
 }
 
-static inline void table_corners(Table *table, double x, double y, double *out) {
-    const size_t first = (size_t)table->sizes[0], second = (size_t)table->sizes[1];
-    const double *xs = table->values, *ys = xs + first, *heights = ys + second;
-    const int64_t i = table->last[0] = find(xs, 1, table->sizes[0] - 2, x, table->last[0]);
-    const int64_t j = table->last[1] = find(ys, 1, table->sizes[1] - 2, y, table->last[1]);
-    const int surfaces = table->info->columns - 2;
+static inline void table_corners(Table *tables, int table, int surfaces, double x, double y, double *out) {
+    Table *of = &tables[table];
+    const size_t first = (size_t)of->sizes[0], second = (size_t)of->sizes[1];
+    const double *xs = of->values, *ys = xs + first, *heights = ys + second;
+    const int64_t i = of->last[0] = find(xs, 1, of->sizes[0] - 2, x, of->last[0]);
+    const int64_t j = of->last[1] = find(ys, 1, of->sizes[1] - 2, y, of->last[1]);
     out[0] = xs[i], out[1] = xs[i + 1], out[2] = ys[j], out[3] = ys[j + 1];
     for (int s = 0; s < surfaces; s++, heights += first * second) {
         const double *corner = heights + (size_t)i * second + (size_t)j;

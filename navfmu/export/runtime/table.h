@@ -10,13 +10,13 @@
 #error "Tables are read as they lie in their files, least byte first, which this machine does not understand."
 #endif
 
-typedef struct {
+struct Table {
     const TableInfo *info;
     int sizes[2];    /* rows, -1; of a grid the numbers of its axes */
     size_t count;
     double *values;  /* row after row; of a grid the axes, then surface after surface */
     int64_t last[2]; /* where the last search ended (on either axis): saves time, decides nothing */
-} Table;
+};
 
 /* Read resources/FILE. Returns 0 when done, else writes a sentence to `problem`. */
 static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size);
@@ -25,12 +25,12 @@ static void table_free(Table *table);
 /* A number that depends on every bit of the table, and on the number of the tables before it. */
 static uint64_t table_number(const Table *table, uint64_t before);
 
-/* Copy the last row whose key is not above `value`, and the row that follows it. Below the first row these are the first
-   two rows, above the last row, and for NaN, the last two. */
-static inline void table_rows(Table *table, int key, double value, double *out);
+/* Copy the last row of a table whose number in the column `key` is not above `value`, and the row that follows it. Below
+   the first row these are the first two rows; above the last row, and for NaN, the last two. */
+static inline void table_rows(Table *tables, int table, int key, int columns, double value, double *out);
 
-/* Copy the ends of a grid's cell around (x, y) on both axes and, surface by surface, the values at its corners: those at
-   the first end of the first axis, then those at its second. Outside, and for NaN, it is the cell as in `table_rows`. */
-static inline void table_corners(Table *table, double x, double y, double *out);
+/* Copy the ends of a grid's cell around (x, y) on both axes, then the surfaces at its corners: (0, 0), (0, 1), (1, 0) and
+   (1, 1), ends on the first and on the second axis. Outside, and for NaN, the cell is found as a row is. */
+static inline void table_corners(Table *tables, int table, int surfaces, double x, double y, double *out);
 
 #endif
