@@ -13,7 +13,7 @@ import numpy as np
 from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
-from navfmu.export.extent import shortest
+from navfmu.export.extent import MOST, shortest
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
@@ -104,7 +104,8 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
 
 def _task(layout: Layout, task: TaskDeclaration, functions: dict) -> ir.Task:
     what = f"{task.place}: component {layout.component.__name__}, task '{task.name}'"
-    return shortest(lambda: _traced(layout, task), what, functions)[0]
+    alike = sum(other.function is task.function for other in layout.tasks)  # one for each bundle of an array
+    return shortest(lambda: _traced(layout, task), what, functions, MOST // alike)[0]
 
 
 def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:

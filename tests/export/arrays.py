@@ -139,3 +139,29 @@ def bank(count, states):
 
     Bank.moved, Bank.seen = moved, seen
     return Bank
+
+
+def corrected(x, covariance, seen, value):
+    """Correct an estimate of eight states by a measurement along ``seen``."""
+    gain = covariance @ seen / (seen @ covariance @ seen + 1.0)
+    return x + gain * (value - seen @ x), covariance - np.outer(gain, seen @ covariance)
+
+
+def listener(count):
+    """Return a component that estimates eight states by what ``count`` stations send, one task for each."""
+
+    class Listening(Component):
+        """Estimates by what many stations send."""
+
+        name = f"listener_{count}"
+        tick = "sample_period"
+        station = Bundle(count, seen=Input(8, "1", description="row"), value=Input("1", description="measurement"))
+        sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
+        x = Output(8, "1", description="estimate")
+        covariance = State(8, 8, "1", start=np.eye(8), description="its covariance")
+
+        @on_new("station")
+        def take(self, i):
+            self.x, self.covariance = corrected(self.x, self.covariance, self.station[i].seen, self.station[i].value)
+
+    return Listening

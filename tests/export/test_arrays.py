@@ -10,13 +10,14 @@ from fmpy.validation import validate_fmu
 from navfmu.errors import NavfmuError
 from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, on_new, start
 from navfmu.export.build import build
+from navfmu.export.codegen import generate
 from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
 from navfmu.export.response import step_response
 from navfmu.export.twin import build_twin
 
-from .arrays import Beacons, BeaconsAtOnce, Cube, Grid, Receiver, bank
+from .arrays import Beacons, BeaconsAtOnce, Cube, Grid, Receiver, bank, listener
 from .slave import OK, Slave, Unzipped
 
 COMPONENTS = {c.layout.name: c for c in (Cube, Beacons, BeaconsAtOnce, Receiver, Grid)}
@@ -328,6 +329,26 @@ def test_indices_that_there_are_not_are_told_from_where_to_where_they_go():
     ):
         with pytest.raises(NavfmuError, match=rf"There is no variable '{re.escape(name)}' in 'receiver'; {told}"):
             run.get(name)
+
+
+def test_many_bundles_do_not_make_much_code(tmp_path):
+    """A method is a task for each; tasks with a measure of their own each would write its function out every time."""
+    few, many = (len(generate(lower(listener(count)), "x")) for count in (4, 40))
+    assert many < 2 * few
+    component, random = listener(40), np.random.default_rng(4)
+    (path,) = build([component], tmp_path, pictures=False)
+    run = Slave(Unzipped(path, tmp_path / "unzipped"))
+    assert run.initialise() == OK
+    rows, values = random.normal(size=(40, 8)), random.normal(size=40)
+    for i in range(40):
+        assert run.set_references("Real", [run.fmu.reference(f"station[{i + 1}].seen[{j + 1}]") for j in range(8)],
+                                  rows[i].tolist()) == OK  # fmt: skip
+        assert run.set(f"station[{i + 1}].value", values[i]) == OK
+        assert run.set(f"station[{i + 1}].sequence", int(i % 2)) == OK
+    assert run.step(0.0, 0.1) == OK
+    sent = np.arange(40) % 2 == 1
+    information = np.eye(8) + rows[sent].T @ rows[sent]
+    np.testing.assert_allclose(run.get("x"), np.linalg.solve(information, rows[sent].T @ values[sent]), rtol=1e-9)
 
 
 # ---- banks of filters ------------------------------------------------------------------------------------------------
