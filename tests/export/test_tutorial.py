@@ -136,6 +136,14 @@ def test_its_test_passes(told):
     assert "3 passed" in told.outputs["pytest test_approach.py"]
 
 
+def test_the_filter_follows_the_boat(told):
+    error, sigma = map(
+        float, re.search(r"([-\d.]+) m off, with a sigma of ([\d.]+) m", told.outputs["python watch.py"]).groups()
+    )
+    assert 1.0 < sigma < 10.0  # 50 m at first
+    assert abs(error) < 4.0 * sigma
+
+
 def test_the_table_traces(told):
     assert told.run(
         'python -c "import ground; from navfmu.export.lower import lower; print(len(lower(ground.Ground).tables))"'
