@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -47,7 +48,7 @@ def traced(function: Callable, arguments: Sequence[Any], whole: float = math.inf
     """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements
     are kept whole, and the functions of its module are called.
     """
-    with trace.tracing(), extent(Extent(whole=whole)):
+    with trace.tracing([sys.modules[function.__module__]]), extent(Extent(whole=whole, calls=whole < math.inf)):
         symbols, first = [], 0
         for argument in map(np.asarray, arguments):
             kinds = argument.dtype.kind * argument.size

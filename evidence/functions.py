@@ -61,12 +61,15 @@ np.atleast_1d({s}); np.atleast_2d({v}); np.atleast_3d({v}); np.take({v}, [2, 0])
 np.hsplit({m}, 2)[0]; np.vsplit({m}, 2)[1]; np.shape({m}) + {s}; np.ndim({m}) * {s}; np.size({v}) - {s}
 np.zeros_like({n}) + {n}; np.ones_like({n}) * {n}; np.full_like({v}, {s}); -np.zeros_like({n})
 np.full_like([1, 2], {s})
+np.argmax({v}); np.argmin({n}); np.argmax({m}, axis=1); {m}.argmin(axis=0); np.var({r}); np.std({m}, axis=0)
+{v}.var(); np.linspace({s}, {s}, 5); np.nan_to_num({n}); np.isclose({n}, {n}); np.allclose({n}, {c})
 """
 #: Which of two zeros NumPy chooses is not specified, and differs between scalars and arrays.
 _ANY_ZERO = """
 np.fmax({n}, {n}); np.fmin({n}, {n}); np.max({n}); np.min({n}); np.amax({v}); np.amin({m}, axis=1); np.max({m}, axis=0)
 {m}.min(axis=1); np.clip({n}, {n}, {n}); np.clip({n}, {c}, {c}); np.clip({n}, None, {n}); np.clip({n}, {c}, None)
-np.max({v} * 1.0, initial={c}); {v}.clip({c}, {v})
+np.max({v} * 1.0, initial={c}); {v}.clip({c}, {v}); np.sort({v}); np.sort({m}, axis=0); np.median({v})
+np.median({m}, axis=1)
 """
 #: Sums of products: NumPy leaves their order to a library; here each begins at 0 and goes from the first to the last.
 _PRODUCTS = {

@@ -193,6 +193,8 @@ def placeholders(columns: Sequence[Sequence[Any]]) -> list[Any]:
 
 def mapped(rule: Callable, columns: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
     """Return what a rule gives for the elements at each place of columns of one length."""
+    if not any(type(e) is Scalar for column in columns for e in column):
+        return [rule(*constants) for constants in zip(*columns, strict=True)]
     given = placeholders(columns)
     result = rule(*given)
     size = len(columns[0])

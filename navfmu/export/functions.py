@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.export import linear, order
 from navfmu.export.products import product, tensordot
 from navfmu.export.rules import Scalar, refuse, where
 from navfmu.export.traced import (
@@ -89,6 +90,49 @@ def _np_mean(a: Any, axis: Any = None, keepdims: bool = False) -> Any:
     return total / (np.size(a) // max(np.size(total), 1))
 
 
+def _np_var(a: Any, axis: Any = None, dtype: None = None, out: None = None, ddof: float = 0, **options: Any) -> Any:
+    a = np.asanyarray(a).astype(float)
+    apart = a - np.mean(a, axis=axis, keepdims=True)
+    squares = np.sum(apart * apart, axis=axis, **options)
+    return squares / max(np.size(a) // max(np.size(squares), 1) - ddof, 0)
+
+
+def _np_linspace(
+    start: Any, stop: Any, num: int = 50, endpoint: bool = True, retstep: bool = False, dtype: Any = None, axis: int = 0
+) -> Any:
+    parts = num - 1 if endpoint else num
+    start, stop = np.asanyarray(start) * 1.0, np.asanyarray(stop) * 1.0
+    width = stop - start
+    places = np.arange(num).reshape(-1, *[1] * np.ndim(width)) * 1.0
+    step = width / parts if parts > 0 else np.nan
+    if parts > 0:
+        tiny = np.any(step == 0)  # NumPy then divides first
+        result = np.where(tiny, places / parts * width, places * step) + start
+    else:
+        result = places * width + start
+    if endpoint and num > 1:
+        result = np.concatenate([result[:-1], np.broadcast_to(stop, np.shape(width))[None]])
+    result = np.moveaxis(result, 0, axis)
+    result = result if dtype is None else result.astype(dtype)
+    return (result, step) if retstep else result
+
+
+def _np_nan_to_num(x: Any, copy: bool = True, nan: Any = 0.0, posinf: Any = None, neginf: Any = None) -> Any:
+    x = np.asanyarray(x)
+    if type_of(x) is not float:
+        return x
+    x = np.where(np.isnan(x), nan, x)
+    x = np.where(x == np.inf, np.finfo(float).max if posinf is None else posinf, x)
+    return np.where(x == -np.inf, np.finfo(float).min if neginf is None else neginf, x)
+
+
+def _np_isclose(a: Any, b: Any, rtol: Any = 1e-5, atol: Any = 1e-8, equal_nan: bool = False) -> Any:
+    a, b = np.asanyarray(a), np.asanyarray(b) * 1.0
+    near = np.logical_and(np.abs(a - b) <= atol + rtol * np.abs(b), np.isfinite(b))
+    result = np.logical_or(near, a == b)
+    return np.logical_or(result, np.logical_and(np.isnan(a), np.isnan(b))) if equal_nan else result
+
+
 def _np_insert(arr: Any, obj: Any, values: Any, axis: Any = None) -> Any:
     return wrapped(np.insert._implementation(arr, obj, np.array(values).astype(type_of(arr)), axis))
 
@@ -120,6 +164,17 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
     np.outer: lambda a, b, out=None: np.multiply.outer(np.ravel(a), np.ravel(b)),
     np.linalg.outer: lambda a, b: np.multiply.outer(np.ravel(a), np.ravel(b)),
+    np.var: _np_var,
+    np.std: lambda a, **options: np.sqrt(np.var(a, **options)),
+    np.linspace: _np_linspace,
+    np.nan_to_num: _np_nan_to_num,
+    np.isclose: _np_isclose,
+    np.allclose: lambda a, b, *args, **kwargs: np.all(np.isclose(a, b, *args, **kwargs)),
+    np.argmax: order.argmax,
+    np.argmin: order.argmin,
+    np.sort: order.sort,
+    np.median: order.median,
+    **linear.FUNCTIONS,
 }
 
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
@@ -140,14 +195,9 @@ for _name in _STRUCTURAL:
 STRUCTURAL.discard(None)
 
 _REMEDIES = {
-    "solve": "process the measurements one at a time, or write the elimination out",
-    "inv": "process the measurements one at a time, or write the inverse out",
-    "cholesky": "write the factorisation out",
-    "argmax": "select with np.where",
-    "argmin": "select with np.where",
-    "sort": "order with np.minimum and np.maximum",
-    "allclose": "compare with <= and np.all",
-    "isclose": "compare with <=",
+    "argsort": "order the values themselves with np.sort, or select with np.where",
+    "lstsq": "solve the normal equations with np.linalg.solve",
+    "eigh": "iterate a fixed number of times",
     "copyto": "build the array with np.where or np.concatenate",
 }
 

@@ -49,8 +49,8 @@ class Scalar:
     def __float__(self) -> float:
         refuse(
             "a traced value has no float value (float(), math.*, or storing it in a float array)",
-            "use NumPy functions instead of float() and math.*, and build arrays with np.array([...]), np.stack, "
-            "np.concatenate or np.where instead of filling them",
+            "use NumPy functions instead of float() and math.*, and store in arrays that the function makes itself, "
+            "with np.array([...]) or np.zeros",
         )
 
     def __int__(self) -> int:

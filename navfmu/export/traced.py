@@ -114,6 +114,15 @@ def broadcast_columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:
     return [np.broadcast_to(a, shape).ravel().tolist() for a in given], shape
 
 
+def _known(key: Any) -> Any:
+    """Return an index with traced arrays that are constants, and have no traced value, as NumPy's."""
+    if isinstance(key, tuple):
+        return tuple(map(_known, key))
+    if isinstance(key, Traced) and not any(type(e) is Scalar for e in key.ravel().tolist()):
+        return np.array(key.view(np.ndarray).tolist(), type_of(key)).reshape(key.shape)[()]
+    return key
+
+
 def _refused(name: str, remedy: str) -> Callable:
     return lambda self, *args, **kwargs: refuse(f".{name}() depends on values and cannot be traced", remedy)
 
@@ -124,6 +133,9 @@ class Traced(np.ndarray):
     __array_priority__ = 1000.0
 
     def __getitem__(self, key: Any) -> Any:
+        key = _known(key)
+        if isinstance(key, Traced) and type_of(key) is bool:
+            refuse("how many elements a traced mask selects is not known", "choose with np.where(mask, values, others)")
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         result = super().__getitem__(key)
@@ -132,6 +144,15 @@ class Traced(np.ndarray):
     def __setitem__(self, key: Any, value: Any) -> None:
         if not self.flags.writeable:
             refuse("a variable's array is read-only", "assign a whole new array: self.x = np.array([...])")
+        key = _known(key)
+        if isinstance(key, Traced) and type_of(key) is bool and key.shape == self.shape[: key.ndim]:
+            mask = key.reshape(key.shape + (1,) * (self.ndim - key.ndim))
+            if np.ndim(value) > self.ndim - key.ndim:
+                refuse(
+                    "what is assigned where a traced mask holds has as many elements as the mask holds for",
+                    "assign one value, or x = np.where(mask, values, x)",
+                )
+            key, value = ..., np.where(mask, value, self)
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         value = objects(value)
@@ -200,10 +221,27 @@ class Traced(np.ndarray):
             refuse("rounding to decimals is not traced", "scale, then np.rint")
         return self if type_of(self) is int else np.rint(self)
 
-    argmax = _refused("argmax", "select with np.where")
-    argmin = _refused("argmin", "select with np.where")
-    argsort = _refused("argsort", "order with np.minimum and np.maximum")
-    sort = _refused("sort", "order with np.minimum and np.maximum")
+    def argmax(self, axis: Any = None, out: None = None, *, keepdims: bool = False) -> Traced:
+        """Index of the first largest element."""
+        return np.argmax(self, axis=axis, keepdims=keepdims)
+
+    def argmin(self, axis: Any = None, out: None = None, *, keepdims: bool = False) -> Traced:
+        """Index of the first smallest element."""
+        return np.argmin(self, axis=axis, keepdims=keepdims)
+
+    def var(self, axis: Any = None, ddof: float = 0, keepdims: bool = False) -> Traced:
+        """Mean square of what the elements are away from their mean."""
+        return np.var(self, axis=axis, ddof=ddof, keepdims=keepdims)
+
+    def std(self, axis: Any = None, ddof: float = 0, keepdims: bool = False) -> Traced:
+        """Square root of the variance."""
+        return np.sqrt(self.var(axis, ddof, keepdims))
+
+    def sort(self, axis: int = -1) -> None:
+        """Put the elements in order, in place."""
+        self[...] = np.sort(self, axis=axis)
+
+    argsort = _refused("argsort", "order the values themselves with np.sort, or select with np.where")
     nonzero = _refused("nonzero", "select with np.where")
     searchsorted = _refused("searchsorted", "look the row up with a Table")
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,34 @@ EXACT = {
     "zeros_like": (lambda a: np.zeros_like(a) + np.ones_like(a) * a + np.full_like(a, a[0]), A),
     "degrees": (lambda a: np.deg2rad(a) + np.radians(a) + np.rad2deg(a), A),
     "interp": (lambda a: np.interp(a, [-1.0, 0.0, 0.25, 1.0], [3.0, 1.0, 4.0, 1.5]), A),
+    "zeros, then assigned": (lambda a: _filled(a), A),
+    "empty, then assigned": (lambda a: _filled_from_nothing(a), A),
+    "rows assigned through views": (lambda m: _through_views(m), M),
+    "assigned where a mask holds": (lambda a, m: _masked(a, m), A, M),
+    "a table that is kept": (lambda a: a * _kept(3), A),
+    "index of the largest": (lambda v, m: v.argmax() + np.argmin(v) + m.argmax(axis=0) + np.argmin(m, axis=1), V, M),
+    "first of equal ones, and NaN": (
+        lambda a: np.stack([np.argmax(a, axis=1), np.argmin(a, axis=1), np.argmax(a, 1, keepdims=True)[:, 0]]),
+        np.array([[1.0, 3.0, 3.0, 1.0], [1.0, np.nan, 5.0, np.nan], [np.nan, 0.0, 1.0, -np.inf], [2.0, 2.0, 2.0, 2.0]]),
+    ),
+    "sorted": (lambda v, m: np.concatenate([np.sort(v), np.sort(m).ravel(), np.sort(m, axis=None)]), V, M),
+    "sorted in place": (lambda m: _sorted_in_place(m), M),
+    "sorted with NaN": (lambda a: np.sort(a), np.array([3.0, np.nan, -np.inf, 1.0, np.nan, np.inf, 2.0, 2.0, -7.0])),
+    "median": (lambda v, m: np.median(v) + np.median(v[:4]) + np.median(m, axis=0) + np.median(m, 1)[0], V, M),
+    "median of NaN": (lambda a: np.median(a), np.array([3.0, np.nan, 1.0])),
+    "variance": (lambda v, m: np.var(v) + np.std(v, ddof=1) + np.var(m, axis=0) + m.std(axis=1) + v.var(), V, M),
+    "linspace": (lambda a: np.linspace(a[0], a[1], 7) + np.linspace(0, a[2], 7, endpoint=False), A),
+    "linspace of arrays": (lambda a, b: np.linspace(a, b, 4) + np.linspace(a, b[0], 3, axis=1).ravel()[0], A, B),
+    "linspace of nothing": (lambda a: np.linspace(a[0], a[0], 3) + np.linspace(a[0], 2.0, 1), A),
+    "numbers for NaN": (
+        lambda a: np.nan_to_num(a) + np.nan_to_num(a, nan=7.0, posinf=1.0, neginf=-1.0),
+        np.array([np.nan, np.inf, -np.inf, -0.0, 2.0]),
+    ),
+    "close": (
+        lambda a, b: np.isclose(a, b) + 2 * np.isclose(a, b, equal_nan=True) + 4 * np.allclose(a, b),
+        np.array([1.0, 1.0, np.nan, np.inf, 0.0]),
+        np.array([1.0 + 1e-6, 1.1, np.nan, np.inf, 1e-9]),
+    ),
     "square roots": (lambda a: np.sqrt(abs(a)) + 1 / np.sqrt(1 + a * a), A),
 }
 
@@ -124,6 +153,57 @@ def _assigned(a, s):
     b = a.copy()
     b[1] = s
     b[2:] = a[:1]
+    return b
+
+
+def _filled(a):
+    b = np.zeros((2, 3))
+    b[0] = a
+    b[1, 1:] += a[:2]
+    c = np.eye(3)
+    c[2, 0] = a[1]
+    d = np.ones(2)
+    d[0] = a[0] > 0.0
+    return b @ c + d[:, None] + np.full((2, 3), 2.0)
+
+
+def _filled_from_nothing(a):
+    b = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            b[i, j] = a[i] * j
+    return b
+
+
+def _through_views(m):
+    b = np.zeros((3, 4))
+    for i, row in enumerate(b.T[:3]):
+        row[...] = m[i]
+    b[:, 3] = b[:, 0] + 1.0
+    return b
+
+
+def _masked(a, m):
+    b, n = a.copy(), 1.0 * m
+    b[a > 0.0] = 0.0
+    b[a < -1.0] = a[0]
+    n[a > 0.0] = 7.0
+    n[m < 0.0] = m[0, 0]
+    return b + n
+
+
+@cache
+def _kept(n):
+    """The constants of a model that are calculated once: as NumPy has them, whenever that is."""
+    table = np.zeros(n)
+    table[0] = 2.0
+    assert table.dtype == float
+    return table
+
+
+def _sorted_in_place(m):
+    b = m.copy()
+    b.sort(axis=0)
     return b
 
 
@@ -207,19 +287,25 @@ def test_nine_state_filter_traces_in_less_than_a_second():
     np.testing.assert_allclose(result, strapdown_filter(*FILTER_INPUT), rtol=1e-13, atol=1e-15)
 
 
+MADE_BEFORE = np.zeros(5)
+
+
 def _store(a):
-    b = np.zeros(3)
-    b[0] = a[0]
+    MADE_BEFORE[0] = a[0]
 
 
 def _store_slice(a):
-    b = np.zeros(5)
-    b[1:4] = a
+    MADE_BEFORE[1:4] = a
 
 
 def _add_to_float_array(a):
-    b = np.zeros(3)
+    b = MADE_BEFORE[:3]
     b += a
+
+
+def _values_for_a_mask(a):
+    b = 2.0 * a
+    b[a > 0] = a
 
 
 def _branch(a):
@@ -244,11 +330,14 @@ REFUSED = {
     "store in a float array": (_store, "np.array([...])"),
     "store in a slice of a float array": (_store_slice, "np.array([...])"),
     "add to a float array": (_add_to_float_array, "x = x + y"),
-    "inverse": (lambda a: np.linalg.inv(np.outer(a, a)), "one at a time"),
-    "solve": (lambda a: np.linalg.solve(EYE, a), "one at a time"),
-    "sort": (lambda a: np.sort(a), "np.minimum"),
-    "argmax": (lambda a: np.argmax(a), "np.where"),
-    "argmax method": (lambda a: a.argmax(), "np.where"),
+    "read before it is assigned": (lambda a: np.empty(3) + a, "np.zeros"),
+    "values for a mask": (_values_for_a_mask, "np.where"),
+    "inverse of what is not square": (lambda a: np.linalg.inv(np.outer(a, a)[:2]), "(n, n)"),
+    "right sides of another length": (lambda a: np.linalg.solve(EYE, a[:2] * a[0]), "as many rows"),
+    "argsort": (lambda a: np.argsort(a), "np.sort"),
+    "argsort method": (lambda a: a.argsort(), "np.sort"),
+    "least squares": (lambda a: np.linalg.lstsq(EYE, a), "normal equations"),
+    "eigenvalues": (lambda a: np.linalg.eigh(np.outer(a, a)), "fixed number"),
     "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
     "where with one argument": (lambda a: np.where(a > 0), "both branches"),
     "ufunc with where": (lambda a: np.sqrt(a, where=a > 0), "np.where"),

@@ -2,6 +2,8 @@
 #ifndef NAVFMU_ARRAYS_H
 #define NAVFMU_ARRAYS_H
 
+#include <math.h>
+
 /* The sum of n numbers that lie a step apart, in the order in which NumPy adds what lies side by side. */
 static inline double sum(const double *x, int n, int step) {
     if (n < 8) {
@@ -59,5 +61,76 @@ static inline void product(int rows, int inner, int columns, const double *restr
     }
 }
 #undef PRODUCT_BLOCK
+
+/* Eliminates below the diagonal of lu (n, n), with the largest pivot of each column, and does the same to b (n, columns).
+   Returns the sign of the exchange of rows. */
+static inline double eliminate(int n, int columns, double *restrict lu, double *restrict b) {
+    double sign = 1.0;
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++) {
+            if (fabs(lu[i * n + k]) > fabs(lu[pivot * n + k])) pivot = i;
+        }
+        if (pivot != k) {
+            sign = -sign;
+            for (int j = k; j < n; j++) {
+                const double x = lu[k * n + j];
+                lu[k * n + j] = lu[pivot * n + j];
+                lu[pivot * n + j] = x;
+            }
+            for (int j = 0; j < columns; j++) {
+                const double x = b[k * columns + j];
+                b[k * columns + j] = b[pivot * columns + j];
+                b[pivot * columns + j] = x;
+            }
+        }
+        for (int i = k + 1; i < n; i++) {
+            const double factor = lu[i * n + k] / lu[k * n + k];
+            for (int j = k + 1; j < n; j++) lu[i * n + j] -= factor * lu[k * n + j];
+            for (int j = 0; j < columns; j++) b[i * columns + j] -= factor * b[k * columns + j];
+        }
+    }
+    return sign;
+}
+
+/* r begins with x of a x = b, with a (n, n), b and x (n, columns); n n numbers behind it are for calculating. */
+static inline void solve(int n, int columns, const double *restrict a, const double *restrict b, double *restrict r) {
+    double *lu = r + n * columns;
+    for (int i = 0; i < n * n; i++) lu[i] = a[i];
+    for (int i = 0; i < n * columns; i++) r[i] = b[i];
+    eliminate(n, columns, lu, r);
+    for (int i = n - 1; i >= 0; i--) {
+        for (int j = 0; j < columns; j++) {
+            double x = r[i * columns + j];
+            for (int k = i + 1; k < n; k++) x -= lu[i * n + k] * r[k * columns + j];
+            r[i * columns + j] = x / lu[i * n + i];
+        }
+    }
+}
+
+/* r begins with the determinant of a (n, n); n n numbers behind it are for calculating. */
+static inline void determinant(int n, const double *restrict a, double *restrict r) {
+    double *lu = r + 1;
+    for (int i = 0; i < n * n; i++) lu[i] = a[i];
+    double product = eliminate(n, 0, lu, lu);
+    for (int i = 0; i < n; i++) product *= lu[i * n + i];
+    r[0] = product;
+}
+
+/* r = L of a = L L', all (n, n), of which the lower triangle is read. */
+static inline void cholesky(int n, const double *restrict a, double *restrict r) {
+    for (int j = 0; j < n; j++) {
+        double square = a[j * n + j];
+        for (int k = 0; k < j; k++) square -= r[j * n + k] * r[j * n + k];
+        const double root = sqrt(square);
+        for (int i = 0; i < j; i++) r[i * n + j] = 0.0;
+        r[j * n + j] = root;
+        for (int i = j + 1; i < n; i++) {
+            double x = a[i * n + j];
+            for (int k = 0; k < j; k++) x -= r[i * n + k] * r[j * n + k];
+            r[i * n + j] = x / root;
+        }
+    }
+}
 
 #endif
