@@ -60,7 +60,7 @@ class TraceFrame(Frame):
         what = (table.name, key, *(getattr(value, "node", value) for value in point))
         if what not in self.found:
             name, *numbers = table.routine(key)
-            numbers = (self.layout.tables.index(table), *numbers)
+            numbers = (self.layout.tables.index(table), len(self.found), *numbers)
             self.found[what] = trace.routine(name, point, (table.width,), numbers=numbers, before=("tables",))
         return self.found[what]
 

@@ -275,19 +275,21 @@ static inline int64_t find(const double *numbers, size_t distance, int64_t last,
     return low;
 }
 
-static inline void table_rows(Table *tables, int table, int key, int columns, double value, double *out) {
+static inline void table_rows(Table *tables, int table, int search, int key, int columns, double value, double *out) {
     Table *of = &tables[table];
-    const int64_t row = find(of->values + key, (size_t)columns, of->sizes[0] - 2, value, of->last[0]);
-    of->last[0] = row;
+    int64_t *last = of->last[search % SEARCHES];
+    const int64_t row = last[0] = find(of->values + key, (size_t)columns, of->sizes[0] - 2, value, last[0]);
     memcpy(out, of->values + (size_t)row * (size_t)columns, 2 * (size_t)columns * sizeof *out);
 }
 
-static inline void table_corners(Table *tables, int table, int surfaces, double x, double y, double *out) {
+static inline void table_corners(Table *tables, int table, int search, int surfaces, double x, double y,
+                                 double *out) {
     Table *of = &tables[table];
     const size_t first = (size_t)of->sizes[0], second = (size_t)of->sizes[1];
     const double *xs = of->values, *ys = xs + first, *heights = ys + second;
-    const int64_t i = of->last[0] = find(xs, 1, of->sizes[0] - 2, x, of->last[0]);
-    const int64_t j = of->last[1] = find(ys, 1, of->sizes[1] - 2, y, of->last[1]);
+    int64_t *last = of->last[search % SEARCHES];
+    const int64_t i = last[0] = find(xs, 1, of->sizes[0] - 2, x, last[0]);
+    const int64_t j = last[1] = find(ys, 1, of->sizes[1] - 2, y, last[1]);
     out[0] = xs[i], out[1] = xs[i + 1], out[2] = ys[j], out[3] = ys[j + 1];
     for (int s = 0; s < surfaces; s++, heights += first * second) {
         const double *corner = heights + (size_t)i * second + (size_t)j;

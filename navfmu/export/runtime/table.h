@@ -10,12 +10,14 @@
 #error "Tables are read as they lie in their files, least byte first, which this machine does not understand."
 #endif
 
+enum { SEARCHES = 16 }; /* that remember where they have ended; more than these share their places */
+
 struct Table {
     const TableInfo *info;
     int sizes[2];    /* rows, -1; of a grid the numbers of its axes */
     size_t count;
     double *values;  /* row after row; of a grid the axes, then surface after surface */
-    int64_t last[2]; /* where the last search ended (on either axis): saves time, decides nothing */
+    int64_t last[SEARCHES][2]; /* where searches have ended (on either axis): saves time, decides nothing */
 };
 
 /* Read resources/FILE. Returns 0 when done, else writes a sentence to `problem`. */
@@ -26,11 +28,12 @@ static void table_free(Table *table);
 static uint64_t table_number(const Table *table, uint64_t before);
 
 /* Copy the last row of a table whose number in the column `key` is not above `value`, and the row that follows it. Below
-   the first row these are the first two rows; above the last row, and for NaN, the last two. */
-static inline void table_rows(Table *tables, int table, int key, int columns, double value, double *out);
+   the first row these are the first two rows; above the last row, and for NaN, the last two. Searches have numbers. */
+static inline void table_rows(Table *tables, int table, int search, int key, int columns, double value, double *out);
 
 /* Copy the ends of a grid's cell around (x, y) on both axes, then the surfaces at its corners: (0, 0), (0, 1), (1, 0) and
    (1, 1), ends on the first and on the second axis. Outside, and for NaN, the cell is found as a row is. */
-static inline void table_corners(Table *tables, int table, int surfaces, double x, double y, double *out);
+static inline void table_corners(Table *tables, int table, int search, int surfaces, double x, double y,
+                                 double *out);
 
 #endif
