@@ -4,6 +4,7 @@ import pytest
 
 from navfmu.export.build import build
 
+from .arrays import Beacons, Cube, Receiver
 from .components import Lag, Listener, Mixed, Modes, Named, Rows, Searcher, Sensor, Source, Ticking, TwoRates
 from .slave import Unzipped
 
@@ -12,5 +13,6 @@ from .slave import Unzipped
 def unzipped(tmp_path_factory):
     """Name -> native FMU."""
     folder = tmp_path_factory.mktemp("small")
-    paths = build([Sensor, Listener, Source, Rows, Searcher, TwoRates, Lag, Mixed, Modes, Named, Ticking], folder)
+    small = [Sensor, Listener, Source, Rows, Searcher, TwoRates, Lag, Mixed, Modes, Named, Ticking]
+    paths = build([*small, Beacons, Cube, Receiver], folder)
     return {path.stem: Unzipped(path, folder / path.stem) for path in paths}

@@ -18,6 +18,7 @@ from navfmu.export.life import State
 from navfmu.export.lower import lower
 from navfmu.export.twin import build_twin
 
+from .arrays import Cube, Receiver
 from .components import Listener, Mixed, Modes, Named, Sensor, Source, Ticking
 from .slave import ERROR, OK, Slave, Unzipped
 
@@ -29,6 +30,8 @@ COMPONENTS = {
     "listener": Listener,
     "source": Source,
     "ticking": Ticking,
+    "cube": Cube,
+    "receiver": Receiver,
 }
 KINDS = ("Real", "Integer", "Boolean", "String")
 TEXTS = ("", "TUL", "Zürich", "12345678", "123456789", 101 * "x", 50 * "ü")
@@ -231,7 +234,7 @@ def test_native_fmu_and_interpreter_agree_whatever_a_host_calls(name, unzipped):
     wanted = set(itertools.product(("setup", "mode", "get", "set", "slopes", "step"), (OK, ERROR)))
     assert wanted - seen <= (set() if "u" in component.layout.fields else {("slopes", OK)}), "all was taken and refused"
     assert {*State} - seen <= (set() if name in ("mixed", "modes") else {State.FAILED})
-    assert ("logEvents" in seen) == (name == "listener")
+    assert ("logEvents" in seen) == (name in ("listener", "receiver"))
 
 
 @pytest.mark.filterwarnings("ignore:invalid value", "ignore:overflow")
