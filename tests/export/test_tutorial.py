@@ -144,10 +144,26 @@ def test_the_filter_follows_the_boat(told):
     assert abs(error) < 4.0 * sigma
 
 
-def test_the_table_traces(told):
-    assert told.run(
-        'python -c "import ground; from navfmu.export.lower import lower; print(len(lower(ground.Ground).tables))"'
-    ) == ("1\n")
+GROUND = """
+import ground, numpy
+from navfmu.export.interpreter import Interpreter
+from navfmu.export.lower import lower
+assert len(lower(ground.Ground).tables) == 2
+run = Interpreter(ground.Ground)
+run.set("place", [500.0, 0.0])
+run.setup()
+print(run.get("clearance"))
+run.do_step(0.0, 30.0)
+print(run.get("clearance"))
+"""
+
+
+def test_the_ground_lies_where_its_tables_say(told):
+    """Half of the way between all four corners, at the start of the plan and half of the way to its second row."""
+    (told.folder / "look.py").write_text(GROUND)
+    ground = (120.0 + 310.0 + 95.0 + 150.0) / 4.0
+    said = [float(line) for line in told.run("python look.py").split()]
+    assert said == pytest.approx([520.0 - ground, 715.0 - ground], abs=1e-9)
 
 
 def test_every_function_that_the_tutorial_lists_is_traced():
