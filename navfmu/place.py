@@ -9,7 +9,7 @@ import numpy as np
 
 _PACKAGE = os.path.dirname(__file__)
 _SKIPPED = (
-    *(os.path.join(_PACKAGE, room) + os.sep for room in ("export", "derivatives")),
+    *(os.path.join(_PACKAGE, room) + os.sep for room in ("export", "derivatives", "repetition")),
     os.path.dirname(np.__file__),
     "<__array_function__",
     __file__,
@@ -17,7 +17,7 @@ _SKIPPED = (
 
 
 def is_foreign(filename: str) -> bool:
-    """Whether a frame of this file belongs to the exporter, to derivatives or to NumPy, and not to the model."""
+    """Whether a frame of this file belongs to these rooms or to NumPy, and not to the model."""
     return filename.startswith(_SKIPPED)
 
 

@@ -15,6 +15,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "terminal",
     "report",
     "derivatives",
+    "repetition",
     "export",
     "expressions",
     "faults",

@@ -11,6 +11,7 @@ not.
 ``Run``        all that a fold passes through (cumulative sums)
 ``Product``    of two matrices
 ``Call``       of a plain function of the model, which is traced and compiled once
+``Repeat``     such a call again and again, as often as a number says
 ``Routine``    of a function of the C runtime (linear equations, sorting, tables)
 =============  =========================================================================================
 """
@@ -82,6 +83,15 @@ class Call:
 
     name: str
     results: tuple[Node, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Repeat:
+    """A function that is called with its own results, ``most`` times or as often as the last operand says if that is
+    less; its first operand is what it begins with, what is between them stays as it is."""
+
+    call: Call
+    most: int
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from navfmu.export import ir
 from navfmu.export.layout import Layout
 from navfmu.export.numbers import Numbers
 from navfmu.export.place import place
+from navfmu.repetition import outside
 
 
 class Frame:
@@ -58,6 +59,7 @@ class Frame:
 
     def write(self, name: str, value: Any, place: tuple[int, ...] = ()) -> None:
         """Assign an output or a state, of an array of bundles that of the bundle at ``place``."""
+        outside(f"'{name}' is assigned")
         variable = self.layout.fields[name]
         if variable.causality not in ("output", "local"):
             self.fail(f"'{name}' is of causality {variable.causality} and cannot be assigned")

@@ -21,6 +21,7 @@ from navfmu.export.layout import Layout
 from navfmu.export.numbers import Numbers
 from navfmu.export.place import is_foreign
 from navfmu.export.task import TaskDeclaration
+from navfmu.repetition import outside
 
 _KINDS = {"Real": "f", "Integer": "i", "Boolean": "b", "String": "i"}
 
@@ -66,6 +67,7 @@ class TraceFrame(Frame):
 
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
+        outside("noise is drawn")
         normals = trace.symbols("noise", "f" * int(count), self.normals)
         self.normals += normals.size
         return normals

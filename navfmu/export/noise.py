@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from navfmu.repetition import outside
+
 _MASK = 0xFFFFFFFFFFFFFFFF
 
 
@@ -55,6 +57,7 @@ class Normals:
 
     def __call__(self, count: int) -> np.ndarray:
         """Return ``count`` fresh standard normal numbers, shape (count,)."""
+        outside("noise is drawn")
         end = self._taken + count
         while len(self._drawn) < end:
             self._drawn += _block(self._key, len(self._drawn) // 4, self._k, self._task)

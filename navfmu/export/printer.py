@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Routine, Run
+from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Repeat, Routine, Run
 from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand, depends, in_order
 
 #: What stands somewhere already: a number, or the first one of an array, as a vector's name and a place.
@@ -41,14 +41,28 @@ def c_helpers(results: Iterable[Node]) -> list[str]:
 
     def visit(nodes: Iterable[Node]) -> None:
         for node in in_order(nodes):
-            if isinstance(node, Array) and isinstance(node.how, Call) and node.how not in found:
-                visit(node.how.results)
-                names = [f"p{k}" for k in range(len(node.operands))]
-                values = {name for name, operand in zip(names, node.operands, strict=True) if operand.size == 1}
-                found[node.how] = c_function(node.how.name, names, node.how.results, values=values)
+            call, operands = _called(node)
+            if call is not None and call not in found:
+                visit(call.results)
+                found[call] = c_call(call, [operand.size for operand in operands])
 
     visit(results)
     return list(found.values())
+
+
+def c_call(call: Call, sizes: Sequence[int]) -> str:
+    """Return the C function of a call whose operands have these sizes."""
+    names = [f"p{k}" for k in range(len(sizes))]
+    values = {name for name, size in zip(names, sizes, strict=True) if size == 1}
+    return c_function(call.name, names, call.results, values=values)
+
+
+def _called(node: Node) -> tuple[Call | None, Sequence[Operand]]:
+    """Return the function that a node calls, and what that is given."""
+    how = node.how if isinstance(node, Array) else None
+    if isinstance(how, Call):
+        return how, node.operands
+    return (how.call, node.operands[:-1]) if isinstance(how, Repeat) else (None, ())
 
 
 def has_arrays(results: Iterable[Node]) -> bool:
@@ -242,6 +256,7 @@ class _Body:
             Run: self._run,
             Product: self._product,
             Call: self._call,
+            Repeat: self._repeat,
             Routine: self._routine,
         }[type(array.how)](array, name)
 
@@ -403,6 +418,20 @@ class _Body:
     def _call(self, array: Array, name: str) -> None:
         given = [self._value(o) if o.size == 1 else self._pointer(o) for o in array.operands]
         self.statements.append(f"    {array.how.name}({', '.join([*given, name])});")
+
+    def _repeat(self, array: Array, name: str) -> None:
+        how: Repeat = array.how
+        begin, *others, count = array.operands
+        self._copy(begin, name, 0)
+        now = f"{name}[0]" if array.size == 1 else name
+        given = [now, *(self._value(o) if o.size == 1 else self._pointer(o) for o in others)]
+        self.statements += [
+            f"    for (int i = 0; i < {how.most} && i < {self._value(count)}; i++) {{",
+            f"        double next[{array.size}];",
+            f"        {how.call.name}({', '.join([*given, 'next'])});",
+            f"        for (int j = 0; j < {array.size}; j++) {name}[j] = next[j];",
+            "    }",
+        ]
 
     def _routine(self, array: Array, name: str) -> None:
         how: Routine = array.how

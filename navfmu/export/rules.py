@@ -57,7 +57,10 @@ class Scalar:
         refuse("a traced value has no int value", "use np.floor or np.rint, or compare it with np.where")
 
     def __index__(self) -> int:
-        refuse("a traced value cannot be an index or a count", "select with np.where, or index with constants")
+        refuse(
+            "a traced value cannot be an index or a count",
+            "select with np.where, index with constants, or loop with navfmu.repetition.repeat",
+        )
 
     def __hash__(self) -> int:
         refuse("a traced value cannot be a key of a dict or set", "select with np.where")

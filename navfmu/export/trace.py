@@ -14,11 +14,21 @@ from contextlib import contextmanager
 from types import ModuleType
 
 from navfmu.derivatives.making import LOCK
-from navfmu.export import calls, functions, ufuncs
+from navfmu.export import calls, functions, repetition, ufuncs
 from navfmu.export.fresh import fresh_arrays
 from navfmu.export.traced import Traced, expressions, routine, symbols, whole_numbers
 
-__all__ = ["Traced", "expressions", "functions", "routine", "symbols", "tracing", "ufuncs", "whole_numbers"]
+__all__ = [
+    "Traced",
+    "expressions",
+    "functions",
+    "repetition",
+    "routine",
+    "symbols",
+    "tracing",
+    "ufuncs",
+    "whole_numbers",
+]
 
 
 @contextmanager

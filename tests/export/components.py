@@ -5,6 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from navfmu.export import Bundle, Component, Grid, Input, Output, Parameter, State, Table, every, on_new, require, start
+from navfmu.repetition import repeat
 
 
 class Sensor(Component):
@@ -291,3 +292,23 @@ class Named(Component):
     @every("sample_period")
     def step(self):
         self.y = self.gain * self.u
+
+
+def nearer(root, square):
+    """Return a better square root, sqrt(m2), by Newton's method."""
+    return 0.5 * (root + square / root)
+
+
+class Iterating(Component):
+    """Square roots by as many steps of Newton's method as a parameter says, none to eight."""
+
+    u = Input(3, "m2", start=(1.0, 4.0, 9.0), description="squares")
+    iterations = Parameter(kind="integer", start=4, min=0, max=8, tunable=True, description="steps of the method")
+    sample_period = Parameter("s", start=0.1, description="sampling period")
+    root = Output(3, "m", description="roots")
+    steps = Output(kind="integer", description="steps that were made")
+
+    @every("sample_period")
+    def solve(self):
+        begin = np.maximum(self.u, 1.0), 0
+        self.root, self.steps = repeat(lambda s: (nearer(s[0], self.u), s[1] + 1), begin, self.iterations, 8)

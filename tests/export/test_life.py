@@ -19,7 +19,7 @@ from navfmu.export.lower import lower
 from navfmu.export.twin import build_twin
 
 from .arrays import Cube, Receiver
-from .components import Listener, Mixed, Modes, Named, Sensor, Source, Ticking
+from .components import Iterating, Listener, Mixed, Modes, Named, Sensor, Source, Ticking
 from .slave import ERROR, OK, Slave, Unzipped
 
 COMPONENTS = {
@@ -30,6 +30,7 @@ COMPONENTS = {
     "listener": Listener,
     "source": Source,
     "ticking": Ticking,
+    "iterating": Iterating,
     "cube": Cube,
     "receiver": Receiver,
 }
@@ -212,7 +213,7 @@ def same(native, floats):
         assert np.allclose(values, np.array(numbers, float), rtol=1e-12, atol=1e-12, equal_nan=True), (values, numbers)
 
 
-@pytest.mark.filterwarnings("ignore:invalid value", "ignore:overflow")
+@pytest.mark.filterwarnings("ignore:invalid value", "ignore:overflow", "ignore:divide by zero")
 @pytest.mark.parametrize("name", COMPONENTS)
 def test_native_fmu_and_interpreter_agree_whatever_a_host_calls(name, unzipped):
     component = COMPONENTS[name]
@@ -237,7 +238,7 @@ def test_native_fmu_and_interpreter_agree_whatever_a_host_calls(name, unzipped):
     assert ("logEvents" in seen) == (name in ("listener", "receiver"))
 
 
-@pytest.mark.filterwarnings("ignore:invalid value", "ignore:overflow")
+@pytest.mark.filterwarnings("ignore:invalid value", "ignore:overflow", "ignore:divide by zero")
 def test_the_twin_agrees_up_to_the_first_refusal(unzipped, tmp_path):
     """PythonFMU knows two ways to refuse: a step is discarded, any other call is fatal and ends the instance."""
     fmu = Unzipped(build_twin(Mixed, tmp_path), tmp_path / "twin")
