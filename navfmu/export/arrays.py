@@ -79,10 +79,14 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """A function of the model. Its results are nodes over ``element("p<k>", i)``, the numbers of its k-th operand."""
+    """A function of the model. Its results are nodes over ``element("p<k>", i)``, the numbers of its k-th operand.
+
+    ``before`` is what routines in it are given besides, which has the same name where it is called.
+    """
 
     name: str
     results: tuple[Node, ...]
+    before: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

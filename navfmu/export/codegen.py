@@ -11,11 +11,11 @@ from collections.abc import Iterable
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
 from navfmu.export.graph import Array, Node, element, settled
-from navfmu.export.printer import c_function, c_helpers, c_number, has_arrays
+from navfmu.export.printer import DECLARATIONS, c_function, c_helpers, c_number, has_arrays
 from navfmu.files import numbers
 
 #: The vectors that a task's function reads, in order, and what its routines search.
-VECTORS, TABLES = ("v", "noise", "time", "fixed"), ("Table *tables",)
+VECTORS, TABLES = ("v", "noise", "time", "fixed"), (DECLARATIONS["tables"],)
 
 
 def generate(model: ir.Model, guid: str) -> str:

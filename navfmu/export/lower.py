@@ -119,6 +119,10 @@ def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
     arguments = (*task.element, *([frame.noise] if task.uses_noise else []))
     _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
     targets, values = frame.changes()
+    if trace.repetition.changes_others(values):
+        layout.fail(
+            "the function of repeat changes an array outside of it; let it return what it calculates", task.place
+        )
     return ir.Task(
         name=task.name,
         kind=task.kind,

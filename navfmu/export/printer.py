@@ -15,6 +15,8 @@ from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand,
 Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 _SHORT = 4  # so many statements are no loop
+#: What routines are given besides numbers, as an argument of the functions in which they are called.
+DECLARATIONS = {"tables": "Table *tables"}
 
 
 def c_function(
@@ -54,7 +56,7 @@ def c_call(call: Call, sizes: Sequence[int]) -> str:
     """Return the C function of a call whose operands have these sizes."""
     names = [f"p{k}" for k in range(len(sizes))]
     values = {name for name, size in zip(names, sizes, strict=True) if size == 1}
-    return c_function(call.name, names, call.results, values=values)
+    return c_function(call.name, names, call.results, values=values, others=[DECLARATIONS[b] for b in call.before])
 
 
 def _called(node: Node) -> tuple[Call | None, Sequence[Operand]]:
@@ -428,7 +430,7 @@ class _Body:
         self.statements += [
             f"    for (int i = 0; i < {how.most} && i < {self._value(count)}; i++) {{",
             f"        double next[{array.size}];",
-            f"        {how.call.name}({', '.join([*given, 'next'])});",
+            f"        {how.call.name}({', '.join([*given, *how.call.before, 'next'])});",
             f"        for (int j = 0; j < {array.size}; j++) {name}[j] = next[j];",
             "    }",
         ]

@@ -21,6 +21,7 @@ from navfmu.export.rules import Scalar, expression, is_boolean, is_whole, number
 from navfmu.export.traced import Traced, filled, objects, symbols, type_of
 from navfmu.repetition.repeat import applied, masked
 
+_OWN = "repeated"  # the vectors that stand for what changes, which no node outside of a body reads
 _serials = counting()
 _known: WeakValueDictionary[str, arrays.Call] = WeakValueDictionary()
 _KINDS = {bool: "b", int: "i", float: "f"}
@@ -34,7 +35,7 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     shapes = [part.shape for part in parts]
     kinds = [_KINDS[type_of(part)] for part in parts]
     while True:
-        vector = f"repeated{next(_serials)}"
+        vector = f"{_OWN}{next(_serials)}"
         results = applied(function, _like(value, _symbols(vector, shapes, kinds)))
         if not _is_plain(results):
             return masked(function, value, count, most)
@@ -46,10 +47,8 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     begin = [_converted(e, kind) for part, kind in zip(parts, kinds, strict=True) for e in part.ravel().tolist()]
     ends = [_converted(e, kind) for part, kind in zip(found, kinds, strict=True) for e in part.ravel().tolist()]
     body = _Body(vector, [expression(e) for e in ends])
-    if body.has_places:
-        return masked(function, value, count, most)
     others = [arrays.block([Scalar(node) for node in body.constant])] if body.constant else []
-    call = _call(body.results, [len(begin), *(other.size for other in others)])
+    call = _call(body, [len(begin), *(other.size for other in others)])
     operands = [arrays.operand(begin), *others, arrays.operand(objects(count).ravel().tolist())]
     array = Array(arrays.Repeat(call, most), len(begin), operands)
     answers, first = [], 0
@@ -58,6 +57,15 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
         answers.append(filled(shape, arrays.elements(array, kind, size, first)))
         first += size
     return _like(value, answers)
+
+
+def changes_others(results: Iterable[Node]) -> bool:
+    """Return whether some function of ``repeat`` has left what it calculates in an array outside of it."""
+    for node in in_order(results):
+        sources = [operand.source for operand in node.operands] if isinstance(node, Array) else node.of[:1]
+        if any(isinstance(source, str) and source.startswith(_OWN) for source in sources):
+            return True
+    return False
 
 
 def _parts(value: Any) -> list[Any]:
@@ -99,11 +107,12 @@ def _converted(e: Any, kind: str) -> Any:
     return whole(e) if kind == "i" else number(e)
 
 
-def _call(results: list[Node], sizes: list[int]) -> arrays.Call:
-    """Return the function with these results, named after what it does: the same one where that is the same."""
-    text = c_call(arrays.Call("", tuple(results)), sizes)
+def _call(body: _Body, sizes: list[int]) -> arrays.Call:
+    """Return the function with the body's results, named after what it does: the same one where that is the same."""
+    what = tuple(body.results), tuple(sorted(body.before))
+    text = c_call(arrays.Call("", *what), sizes)
     name = f"repeated_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    return _known.setdefault(name, arrays.Call(name, tuple(results)))
+    return _known.setdefault(name, arrays.Call(name, *what))
 
 
 class _Body:
@@ -112,7 +121,7 @@ class _Body:
     def __init__(self, vector: str, results: list[Node]) -> None:
         self.vector = vector
         self.constant: list[Node] = []  # what is calculated before the loop
-        self.has_places = False  # whether it needs what only the function of a task has
+        self.before: set[str] = set()  # what routines in it are given besides numbers
         self._places: dict[Any, int] = {}
         self._changes: dict[Node, bool] = {}
         self._new: dict[Node, Node] = {}
@@ -149,7 +158,8 @@ class _Body:
             source, place = node.of
             return element("p0" if source == self.vector else self._new[source], place)
         if isinstance(node, Array):
-            self.has_places |= isinstance(node.how, arrays.Routine) and bool(node.how.before)
+            how = node.how.call if isinstance(node.how, arrays.Repeat) else node.how
+            self.before.update(getattr(how, "before", ()))
             return Array(node.how, node.size, [self._operand(operand) for operand in node.operands])
         return Node(node.op, *(self._renewed(n) for n in node.of))
 

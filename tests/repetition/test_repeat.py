@@ -6,7 +6,7 @@ import pytest
 from evidence.compiled import compiled, traced
 from navfmu.derivatives import jacobian
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Output, Parameter, every
+from navfmu.export import Component, Output, Parameter, Table, every
 from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
@@ -208,6 +208,16 @@ def _assigns(self):
     self.y = repeat(body, 1.0, self.n, 4)
 
 
+def _fills(self):
+    seen = np.zeros(4)
+
+    def body(x):
+        seen[1] = x
+        return x + 1.0
+
+    self.y = repeat(body, 1.0, self.n, 4) + seen[1]
+
+
 def _draws(self, noise):
     self.y = repeat(lambda x: x + noise(1)[0], 1.0, self.n, 4)
 
@@ -259,3 +269,50 @@ def test_a_parameter_counts_the_passes_in_every_form(count, iterating):
         assert slave.step(0.1, 0.1) == OK
         assert slave.get("root") == expected.tolist() and slave.get("steps") == count
         slave.free()
+
+
+def test_a_table_is_searched_in_a_loop(tmp_path):
+    """Where a ray meets the ground; natively the loop's function is given the tables."""
+
+    class Ray(Component):
+        """Goes down from 1000 m until it is a metre above ground."""
+
+        passes = Parameter(kind="integer", start=9, min=0, max=40, description="passes of the search")
+        sample_period = Parameter("s", start=0.1, description="sampling period")
+        ground = Table(
+            columns=(("distance", "m"), ("height", "m")),
+            rows=[[0.0, 0.0], [500.0, 200.0], [1000.0, 600.0], [2e3, 900.0]],
+        )
+        distance = Output("m", description="where the ray is low")
+
+        @every("sample_period")
+        def search(self):
+            def nearer(x):
+                return x + 0.4 * (1000.0 - 0.3 * x - self.ground.around(distance=x).linear()[1])
+
+            self.distance = repeat(nearer, 10.0, self.passes, 40)
+
+    (path,) = build([Ray], tmp_path, pictures=False)
+    fmu = Unzipped(path, tmp_path / "ray")
+    assert "Table *tables" in c_helpers(lower(Ray).tasks[0].values)[-1], "in the function of the loop"
+    for count in (0, 1, 9, 40):
+        expected = 10.0
+        for _ in range(count):
+            height = np.interp(expected, [0.0, 500.0, 1000.0, 2000.0], [0.0, 200.0, 600.0, 900.0])
+            expected = expected + 0.4 * (1000.0 - 0.3 * expected - height)
+        native, floats = Slave(fmu), Interpreter(Ray)
+        native.initialise(passes=count)
+        floats.set("passes", count)
+        floats.setup()
+        floats.do_step(0.0, 0.1)
+        assert native.step(0.0, 0.1) == OK
+        assert native.get("distance") == floats.get("distance")
+        assert np.isclose(floats.get("distance"), expected, rtol=1e-12)
+        native.free()
+
+
+def test_a_body_that_fills_an_array_of_others_is_refused_when_it_is_built():
+    with pytest.raises(NavfmuError) as refused:
+        lower(_component(_fills))
+    sentence = "component Made: the function of repeat changes an array outside of it; let it return what it calculates"
+    assert "test_repeat.py, line " in str(refused.value) and sentence in str(refused.value)
