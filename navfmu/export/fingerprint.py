@@ -14,7 +14,7 @@ from navfmu.export.component import Component
 from navfmu.export.imports import imports
 
 #: Files beside a model's modules that it may read, such as coefficients.
-_DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
+DATA = {".csv", ".json", ".toml", ".txt", ".cof", ".npz", ".npy", ".yaml"}
 #: What turns sources into FMUs; another version is another FMU.
 _TOOLS = ("ziglang", "numpy", "matplotlib", "pythonfmu", "jinja2")
 _INSTALLED = {Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib", "purelib", "platlib")}
@@ -52,7 +52,7 @@ def fingerprint(component: type[Component], *parts: str) -> str | None:
     for part in (component.__qualname__, *parts, _exporter(), declared):
         digest.update(part.encode() + b"\0")
     modules = source_files(component.__module__)
-    data = {file for folder in {m.parent for m in modules} for file in folder.iterdir() if file.suffix.lower() in _DATA}
+    data = {file for folder in {m.parent for m in modules} for file in folder.iterdir() if file.suffix.lower() in DATA}
     for file in [*sorted(modules), *sorted(data)]:
         _add(digest, file)
     return digest.hexdigest()[:32]

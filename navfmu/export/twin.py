@@ -9,6 +9,7 @@ that PythonFMU would write.
 
 from __future__ import annotations
 
+import hashlib
 import importlib.metadata
 import sys
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, description, interpreter, ir, life
+from navfmu.export import archive, description, fingerprint, interpreter, ir, life
 from navfmu.export.component import Component
 from navfmu.export.icon import icon
 from navfmu.export.imports import imports
@@ -41,7 +42,7 @@ if "_SOURCES" not in globals():
     import sys
     import types
 
-    _UNIQUE = {unique!r}
+    _UNIQUE = _FOLDER = {unique!r}
     _SOURCES = {{}}
     _MODULES = {{}}
 '''
@@ -59,7 +60,7 @@ def _load(name):
         module = _MODULES[name] = types.ModuleType(_UNIQUE + "." + name)
         sys.modules[module.__name__] = module
         text = _SOURCES.get(name, "")
-        module.__file__ = "/".join([_UNIQUE, *name.split(".")]) + ".py"
+        module.__file__ = "/".join([_FOLDER, *name.split(".")]) + ".py"
         module.__builtins__ = dict(vars(builtins), __import__=_import)
         module._carried_as = name
         linecache.cache[module.__file__] = (len(text), None, text.splitlines(True), module.__file__)
@@ -89,7 +90,13 @@ def _import(name, globals=None, locals=None, fromlist=(), level=0):
 if "_INTERPRETER" not in globals():
     _INTERPRETER = _load("navfmu.export.interpreter").Interpreter
     _ERROR = _load("navfmu.errors").NavfmuError
-    _COMPONENT = getattr(_load({module!r}), {component!r})
+
+
+def _component(resources):
+    """Return the class; its modules find their data files in the resources."""
+    global _FOLDER
+    _FOLDER = f"{resources}/{_UNIQUE}"
+    return getattr(_load({module!r}), {component!r})
 '''
 
 _LIVE = '''"""FMU {name} in Python: the class as it is in the process that runs it."""
@@ -106,7 +113,10 @@ from pythonfmu.enums import Fmi2Status
 _UNIQUE = {unique!r}
 _INTERPRETER = importlib.import_module("navfmu.export.interpreter").Interpreter
 _ERROR = importlib.import_module("navfmu.errors").NavfmuError
-_COMPONENT = getattr(importlib.import_module({module!r}), {component!r})
+
+
+def _component(resources):
+    return getattr(importlib.import_module({module!r}), {component!r})
 '''
 
 _SLAVE = '''
@@ -146,7 +156,7 @@ class {component}Slave(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.modelName = {name!r}
-        self.run = _INTERPRETER(_COMPONENT, _UNIQUE)
+        self.run = _INTERPRETER(_component(self.resources), _UNIQUE)
 
     @_told
     def setup_experiment(self, start_time, stop_time, tolerance):
@@ -251,6 +261,20 @@ def _collect(carried: dict[str, str], waiting: list[str], wanted: Callable[[str]
         waiting += [name.rpartition(".")[0]] if "." in name else []
 
 
+def data(component: type[Component]) -> dict[str, bytes]:
+    """Return the data files that a twin carries: those beside the model's modules whose names stand in their text.
+
+    They lie where the module that reads them seems to lie, ``models/`` for a module ``models.terrain``.
+    """
+    found: dict[str, bytes] = {}
+    for name, file in fingerprint.sources(component.__module__).items():
+        text, folder = file.read_text(encoding="utf-8"), "/".join(name.split(".")[:-1])
+        for path in sorted(file.parent.iterdir()):
+            if path.suffix.lower() in fingerprint.DATA and path.name in text:
+                found[f"{folder}/{path.name}".lstrip("/")] = path.read_bytes()
+    return found
+
+
 def _literal(text: str) -> str:
     """Return a Python literal of the text, with its lines as they are where that is possible."""
     if "'''" in text or text.endswith(("'", "\\")) or "\r" in text or "\0" in text:
@@ -295,7 +319,9 @@ def _entries(component: type[Component], model: ir.Model, pictures: bool, live: 
         )
     text = module_text(component, _NO_NAME, life.categories(), live)
     xml = description.describe(model, archive.NO_GUID, needs_execution_tool=True, can_interpolate_inputs=False)
-    guid = archive.guid(text, xml, pythonfmu.__version__)
+    files = {} if live else data(component)
+    parts = (part for name, content in files.items() for part in (name, hashlib.sha256(content).hexdigest()))
+    guid = archive.guid(text, xml, pythonfmu.__version__, *parts)
     unique = f"{model.name}_{guid[1:-1].replace('-', '')[:16]}"
     installed = importlib.metadata.distribution("pythonfmu")  # the module may be that of a twin which has run
     folder = Path(str(installed.locate_file("pythonfmu")))
@@ -306,6 +332,7 @@ def _entries(component: type[Component], model: ir.Model, pictures: bool, live: 
         "resources/slavemodule.txt": unique.encode(),
         f"resources/{unique}.py": text.replace(_NO_NAME, unique).encode(),
     }
+    entries |= {f"resources/{unique}/{name}": content for name, content in files.items()}
     if pictures:
         entries["model.png"] = icon(model.name)
     for file in sorted(folder.glob("*.py")):

@@ -20,12 +20,12 @@ from navfmu.export.build import build
 from navfmu.export.twin import build_twin, sources
 from tests import built
 
-from .components import Listener, Sensor, Source, TwoRates
+from .components import Listener, Searcher, Sensor, Source, TwoRates
 from .slave import DISCARD, OK, Slave, Unzipped
 
 ROOT = Path(__file__).parents[2]
 FATAL = 4
-SMALL = {"sensor": Sensor, "listener": Listener, "source": Source, "two_rates": TwoRates}
+SMALL = {"sensor": Sensor, "listener": Listener, "searcher": Searcher, "source": Source, "two_rates": TwoRates}
 EVERY = {**SMALL, **built.components()}
 
 
@@ -297,6 +297,61 @@ def test_twin_carries_one_module_with_a_name_of_its_own(twins):
     assert "class ImuSlave(Fmi2Slave):" in text
     assert {"models.inertial", "fmus.imu", "navfmu.export.interpreter"} <= set(sources(EVERY["imu"]))
     assert "import ziglang" not in text
+
+
+STATIONS = """
+from pathlib import Path
+
+import numpy as np
+
+from hills import slope
+from navfmu.export import Component, Output, Parameter, Table, start
+
+
+class Stations(Component):
+    \"""Stations.\"""
+
+    table = Table(columns=(("x", "m"), ("y", "m")), rows=np.load(Path(__file__).with_name("stations.npy")))
+    x = Parameter("m", start=2.5, description="x")
+    y = Output("m", description="y")
+
+    @start
+    def find(self):
+        self.y = slope.STEEPNESS * self.table.around(x=self.x).linear()[1]
+"""
+
+
+def test_a_twin_carries_the_files_that_its_modules_read(tmp_path):
+    """Of a module, and of one in a package; they are gone when the twin runs. What nobody names stays where it is."""
+    for folder in ("made", "made/hills", "built"):
+        (tmp_path / folder).mkdir()
+    made = tmp_path / "made"
+    (made / "stations.py").write_text(STATIONS)
+    (made / "unused.csv").write_text("1,2\n")
+    (made / "hills" / "__init__.py").write_text("")
+    read = "from pathlib import Path\n\nSTEEPNESS = float(Path(__file__).with_name('slope.txt').read_text())\n"
+    (made / "hills" / "slope.py").write_text(read)
+    (made / "hills" / "slope.txt").write_text("3.0")
+    np.save(made / "stations.npy", np.arange(200_000.0).reshape(-1, 2))
+    code = "import stations; from navfmu.export.twin import build_twin; build_twin(stations.Stations, '../built')"
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    subprocess.run([sys.executable, "-c", code], cwd=made, env=environment, check=True)
+    made.rename(tmp_path / "elsewhere")
+    path = tmp_path / "built" / "stations.fmu"
+    with zipfile.ZipFile(path) as archive:
+        module = archive.read("resources/slavemodule.txt").decode()
+        carried = [name for name in archive.namelist() if name.startswith(f"resources/{module}/")]
+    assert sorted(carried) == [f"resources/{module}/hills/slope.txt", f"resources/{module}/stations.npy"]
+    code = f"""
+import fmpy
+from tests.export.test_twin import Instance
+one = Instance({str(path)!r}, fmpy.extract({str(path)!r}, {str(tmp_path / "unpacked")!r}))
+print(one.read("Real"))
+one.terminate()
+one.freeInstance()
+"""
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env={"PYTHONPATH": str(ROOT)}, capture_output=True)
+    assert run.stdout.decode().strip() == "[10.5]", run.stderr.decode()  # 3 (1 + 2.5)
 
 
 def test_twin_is_built_byte_for_byte_the_same(tmp_path):
