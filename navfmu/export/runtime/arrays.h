@@ -112,7 +112,7 @@ static inline void solve(int n, int columns, const double *restrict a, const dou
 static inline void determinant(int n, const double *restrict a, double *restrict r) {
     double *lu = r + 1;
     for (int i = 0; i < n * n; i++) lu[i] = a[i];
-    double product = eliminate(n, 0, lu, lu);
+    double product = eliminate(n, 0, lu, 0);
     for (int i = 0; i < n; i++) product *= lu[i * n + i];
     r[0] = product;
 }
