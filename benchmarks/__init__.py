@@ -5,10 +5,11 @@
     python -m benchmarks.faults     the same flight with twenty faults against none
     python -m benchmarks.imu_twin   the native IMU against its PythonFMU twin
     python -m benchmarks.startup    navfmu run --help against bare Python
+    python -m benchmarks.exporter   filters of up to 42 states out of the exporter, against loops written by hand in C
     python -m benchmarks            all of them, a table and benchmarks.json
 
-Each needs the FMUs of build_fmus.py. Contenders take turns, round after round, so that a disturbance of the machine
-hits all of them; a result is the median over the rounds.
+All but the last need the FMUs of build_fmus.py. Contenders take turns, round after round, so that a disturbance of the
+machine hits all of them; a result is the median over the rounds.
 """
 
-NAMES = ("ring", "flight", "faults", "imu_twin", "startup")
+NAMES = ("ring", "flight", "faults", "imu_twin", "startup", "exporter")

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks import NAMES
 from benchmarks.contest import show, write
 
-contests = [importlib.import_module(f"benchmarks.{name}").run() for name in NAMES]
+contests = [contest for name in NAMES for contest in importlib.import_module(f"benchmarks.{name}").run()]
 show(contests)
 if len(sys.argv) > 1:
     write(contests, Path(sys.argv[1]))

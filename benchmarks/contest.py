@@ -93,11 +93,11 @@ def write(contests: Sequence[Contest], path: Path) -> None:
     path.write_text(json.dumps(content, indent=1) + "\n")
 
 
-def main(run: Callable[[], Contest]) -> None:
-    """Run one contest as a command: print it, and write it to the path given as argument."""
+def main(run: Callable[[], Sequence[Contest]]) -> None:
+    """Run one benchmark as a command: print its contests, and write them to the path given as argument."""
     import sys
 
-    contest = run()
-    show([contest])
+    contests = run()
+    show(contests)
     if len(sys.argv) > 1:
-        write([contest], Path(sys.argv[1]))
+        write(contests, Path(sys.argv[1]))

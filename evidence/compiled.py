@@ -63,15 +63,19 @@ def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: float =
     return linked([traced(function, arguments, whole) for function, arguments in functions])
 
 
+def source(functions: Sequence[Sequence[Node]]) -> str:
+    """Return the C code of functions, each the nodes of its results, and of an array ``functions`` of them."""
+    text = [_HEAD, *c_helpers([node for nodes in functions for node in nodes])]
+    text += [c_function(f"f{i}", ["v"], nodes) for i, nodes in enumerate(functions)]
+    names = ", ".join(f"f{i}" for i in range(len(functions)))
+    return "\n".join([*text, f"EXPORT void (*const functions[])(const double *, double *) = {{{names}}};\n"])
+
+
 def linked(made: list[Compiled]) -> list[Compiled]:
     """Compile functions of the one vector ``v`` into a library, and return them ready to be called."""
-    source = [_HEAD, *c_helpers([node for one in made for node in one.nodes])]
-    source += [c_function(f"f{i}", ["v"], one.nodes) for i, one in enumerate(made)]
-    names = ", ".join(f"f{i}" for i in range(len(made)))
-    source.append(f"EXPORT void (*const functions[])(const double *, double *) = {{{names}}};\n")
     with tempfile.TemporaryDirectory(prefix="navfmu-", ignore_cleanup_errors=True) as scratch:
         file = Path(scratch) / "functions.c"
-        file.write_text("\n".join(source))
+        file.write_text(source([one.nodes for one in made]))
         compiled = toolchain.compile_shared([file], file.with_suffix(toolchain.suffix("host")), include=[RUNTIME])
         library = ctypes.CDLL(str(compiled))
     kind = ctypes.CFUNCTYPE(None, *[ctypes.POINTER(ctypes.c_double)] * 2)

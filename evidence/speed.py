@@ -19,7 +19,7 @@ def run(out: Path) -> Section:
     with Progress("benchmarks") as progress:
         for number, name in enumerate(NAMES):
             progress(number, len(NAMES), name)
-            contests.append(importlib.import_module(f"benchmarks.{name}").run())
+            contests += importlib.import_module(f"benchmarks.{name}").run()
     write(contests, out / "benchmarks.json")
     return section(contests)
 
