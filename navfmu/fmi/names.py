@@ -1,9 +1,10 @@
 """What a name stands for.
 
 In an FMU: a variable ("tau"), all elements of an array ("x" for "x[1]", "x[2]" ...), all members of a bundle ("reading"
-for "reading.rate[1]", "reading.valid" ...) or of all bundles of an array ("station" for "station[1].range" ...; one of
-them is "station[1]"). In a system the component's name comes first ("imu.reading"), alone it
-stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for the outputs whose names match.
+for "reading.rate[1]", "reading.valid" ...). Of an array of bundles "station" stands for all, "station[1]" for one, and
+"station.range" for a member of all ("station[1].range", "station[2].range" ...). In a system the component's name comes
+first ("imu.reading"), alone it stands for all outputs of the component, and a pattern ("imu.*", "*.lost") for the
+outputs whose names match.
 """
 
 from __future__ import annotations
@@ -89,11 +90,25 @@ def hint(name: str, known: Iterable[str]) -> str:
 
 
 def group(names: Collection[str], name: str) -> dict[str, str]:
-    """Which of ``names`` a name stands for, by suffix: itself (""), elements ("[1]") or members (".valid")."""
+    """Which of ``names`` a name stands for, by suffix: itself (""), elements ("[1]") or members (".valid").
+
+    "station.range" stands for a member of all bundles of an array, "station[1].range" by the suffix "[1]".
+    """
     if name in names:
         return {"": name}
     found = [candidate for candidate in names if candidate.startswith((f"{name}[", f"{name}."))]
-    return {member[len(name) :]: member for member in found}
+    if found or "." not in name:
+        return {member[len(name) :]: member for member in found}
+    of_all = {_indices_last(candidate): candidate for candidate in names if "]." in candidate}
+    return {way[len(name) :]: full for way, full in of_all.items() if way.startswith((f"{name}[", f"{name}."))}
+
+
+def _indices_last(name: str) -> str:
+    """A member of an array of bundles as an element of an array: "station.bias[2][1]" for "station[2].bias[1]"."""
+    *bundles, member = re.split(r"(?<=\])\.", name)
+    indices = "".join(bundle[len(array(bundle)) :] for bundle in bundles)
+    plain = ".".join([*map(array, bundles), array(member)])
+    return plain + indices + member[len(array(member)) :]
 
 
 def is_element(suffix: str) -> bool:

@@ -123,3 +123,18 @@ def test_indices_that_there_are_not_get_a_range_and_other_names_the_nearest():
     assert names.hint("m[3]", known) == "; indices go from 'm[1,1]' to 'm[2,3]'"
     assert names.hint("tau[1]", known) == "; did you mean 'tau'?"
     assert names.hint("tua", known) == "; did you mean 'tau'?"
+
+
+def test_a_member_of_all_bundles_of_an_array_is_an_array():
+    known = [f"s[{i}].{member}" for i in (1, 2) for member in ("range", "bias[1]", "bias[2]", "valid")]
+    assert names.group(known, "s.range") == {"[1]": "s[1].range", "[2]": "s[2].range"}
+    assert list(names.group(known, "s.bias")) == ["[1][1]", "[1][2]", "[2][1]", "[2][2]"]
+    assert names.group(known, "s[2].bias") == {"[1]": "s[2].bias[1]", "[2]": "s[2].bias[2]"}
+    assert names.group(known, "s.rang") == names.group(known, "s.bia") == names.group(known, "t.range") == {}
+    assert names.group([*known, "s.range"], "s.range") == {"": "s.range"}
+    assert names.group(["g[1,2].c[3].x[4]"], "g.c.x") == {"[1,2][3][4]": "g[1,2].c[3].x[4]"}
+    assert [names.stands_for("c.s.range", signal) for signal in ("c.s[1].range", "c.s[1].ranges", "d.s[1].range")] == [
+        1,
+        0,
+        0,
+    ]

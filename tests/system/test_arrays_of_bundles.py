@@ -89,6 +89,21 @@ def test_names_reach_one_bundle(system):
         system.run(parameters={"receiver.beacon": 1.0})
 
 
+def test_a_member_of_all_bundles_is_an_array(system, fmus):
+    """It is connected, recorded, asked and made wrong like any other array."""
+    source = SystemSource("shown", fmus=fmus, stop_time=STOP, step=H)
+    source.component("first", "beacons.fmu").component("second", "beacons.fmu")
+    source.connect("first.beacon.range", "second.u").parameters("first", {"u": [4.0, 5.0, 6.0]})
+    shown = System.load(source.pack(fmus / "shown.ssp")).run()
+    assert of_each(shown, "second.beacon[{}].range") == [4.0, 5.0, 6.0]
+    wrong = Fault(
+        "wrong", "beacons.beacon.range", "bias", value=[1.0, 2.0, 3.0], when="max(beacons.beacon.range) > 2 m"
+    )
+    frame = system.run(faults=[wrong], record=["receiver.beacon.range"])
+    assert list(frame) == [f"receiver.beacon[{i}].range" for i in (1, 2, 3)]
+    assert of_each(frame, "receiver.beacon[{}].range") == [2.0, 4.0, 6.0]
+
+
 def test_a_saboteur_takes_the_other_members_of_the_bundle_that_fails_and_of_no_other(system):
     faults = [Fault("late", "beacons.beacon[2].range", "delay", delay=0.2)]
     experiment = system.experiment(stop=STOP, step=H, faults=faults)
