@@ -44,11 +44,14 @@ class Compiled:
         return result.reshape(self.shape)
 
 
-def traced(function: Callable, arguments: Sequence[Any], whole: float = math.inf) -> Compiled:
+def traced(
+    function: Callable, arguments: Sequence[Any], whole: float = math.inf, functions: dict | None = None
+) -> Compiled:
     """Trace a function with elements of a vector in the shapes of its arguments; arrays of at least ``whole`` elements
-    are kept whole, and the functions of its module are called.
+    are kept whole, and the functions of its module are called; ``functions`` are those that were recorded before.
     """
-    with trace.tracing([sys.modules[function.__module__]]), extent(Extent(whole=whole, calls=whole < math.inf)):
+    of = Extent(whole=whole, calls=whole < math.inf, functions={} if functions is None else functions)
+    with trace.tracing([sys.modules[function.__module__]]), extent(of):
         symbols, first = [], 0
         for argument in map(np.asarray, arguments):
             kinds = argument.dtype.kind * argument.size
@@ -60,7 +63,8 @@ def traced(function: Callable, arguments: Sequence[Any], whole: float = math.inf
 
 def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: float = math.inf) -> list[Compiled]:
     """Trace functions, each with arguments of the shapes that it will get, and compile them in one go."""
-    return linked([traced(function, arguments, whole) for function, arguments in functions])
+    recorded: dict = {}
+    return linked([traced(function, arguments, whole, recorded) for function, arguments in functions])
 
 
 def source(functions: Sequence[Sequence[Node]]) -> str:

@@ -17,14 +17,15 @@ def _solve(call: Callable, level: int, a: Any, b: Any) -> Any:
     """A x = b, so A dx = db - dA x: every column of dx is one more right-hand side."""
     matrix, right = values(a, level), values(b, level)
     x = call(matrix, right)
-    rest = b - a @ x  # its slopes are those of db - dA x
+    of_columns = np.ndim(right) > 1
+    rest = b - a @ x if of_columns else b[:, None] - a @ x[..., None]  # its slopes are those of db - dA x
     if not (isinstance(rest, Dual) and rest.level == level):
         return x
-    columns = rest.slopes.pattern.any(axis=0)
-    sides = np.reshape(rest.slopes.dense()[:, columns], (np.shape(matrix)[-1], -1))
-    solved = call(matrix, sides)
-    pattern = zeros((x.size, len(columns)), bool)
-    pattern[:, columns] = True
+    depending = rest.slopes.pattern.any(axis=0)
+    sides = rest.slopes.dense()[:, depending]
+    solved = call(matrix, np.reshape(sides, (*rest.shape[:-1], -1)))
+    pattern = zeros((x.size, len(depending)), bool)
+    pattern[:, depending] = True
     return dual(x, Slopes(pattern, np.ravel(solved)), level)
 
 

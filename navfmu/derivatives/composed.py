@@ -96,7 +96,9 @@ def _given(keepdims: Any) -> bool:
 
 
 def _axes(array: Any, axis: Any) -> tuple[int, ...]:
-    return tuple(range(array.ndim)) if axis is None else tuple(i % array.ndim for i in np.atleast_1d(axis).tolist())
+    if axis is None or array.ndim == 0:
+        return tuple(range(array.ndim))
+    return tuple(i % array.ndim for i in np.atleast_1d(axis).tolist())
 
 
 def _sum(
@@ -126,14 +128,17 @@ def _rows(array: Any, axis: Any) -> list:
     return list(np.reshape(moved, (-1, *(array.shape[i] for i in kept))))
 
 
+def _kept(result: Any, array: Any, axis: Any) -> Any:
+    """The result with the axes that it went over, of length 1."""
+    return np.reshape(result, [1 if i in _axes(array, axis) else n for i, n in enumerate(array.shape)])
+
+
 def _folded(ufunc: np.ufunc, array: Any, axis: Any = 0, *args: Any, keepdims: Any = False, **kwargs: Any) -> Any:
     given = [key for key, one in kwargs.items() if one is not np._NoValue and one is not None and key != "dtype"]
     if given:
         refuse(f"np.{ufunc.__name__}.reduce(..., {given[0]}=...) has no derivative", "write it with np.where")
     result = reduce(ufunc, _rows(array, axis))
-    if not _given(keepdims):
-        return result
-    return np.reshape(result, [1 if i in _axes(array, axis) else n for i, n in enumerate(array.shape)])
+    return _kept(result, array, axis) if _given(keepdims) else result
 
 
 def _accumulated(ufunc: np.ufunc, array: Any, axis: Any = 0, *args: Any, **kwargs: Any) -> Any:
@@ -180,6 +185,28 @@ def _std(a: Any, axis: Any = None, *args: Any, **kwargs: Any) -> Any:
 @composed(np.ptp)
 def _ptp(a: Any, axis: Any = None, out: Any = None, keepdims: Any = False) -> Any:
     return np.max(a, axis, keepdims=_given(keepdims)) - np.min(a, axis, keepdims=_given(keepdims))
+
+
+@composed(np.sort)
+def _sort(a: Any, axis: Any = -1, **kwargs: Any) -> Any:
+    """Neighbours change places until all are in order; which do, values say, how often they are compared does not."""
+    if axis is None:
+        a, axis = np.ravel(a), 0
+    rows = list(np.moveaxis(a, axis, 0))
+    for last in range(len(rows) - 1, 0, -1):
+        for i in range(last):
+            first, second = rows[i], rows[i + 1]
+            wrong = np.greater(first, second)
+            rows[i], rows[i + 1] = np.where(wrong, second, first), np.where(wrong, first, second)
+    return np.stack(rows, axis)
+
+
+@composed(np.median)
+def _median(a: Any, axis: Any = None, out: Any = None, overwrite_input: bool = False, keepdims: bool = False) -> Any:
+    rows = np.stack(_rows(a, axis))
+    ordered = np.sort(rows, 0)
+    middle = 0.5 * (ordered[(len(rows) - 1) // 2] + ordered[len(rows) // 2])
+    return _kept(middle, a, axis) if keepdims else middle
 
 
 @composed(np.diff)

@@ -159,7 +159,9 @@ class Dual(NDArrayOperatorsMixin):
 
     def __setitem__(self, key: Any, new: Any) -> None:
         places = np.asarray(self.places[key])
-        new = np.broadcast_to(np.array(new) if isinstance(new, list | tuple) else new, places.shape)
+        new = np.array(new) if isinstance(new, list | tuple) else new
+        more = max(np.ndim(new) - places.ndim, 0)  # NumPy lets leading axes of one element go
+        new = np.broadcast_to(np.reshape(new, np.shape(new)[more:]) if more else new, places.shape)
         if isinstance(new, Dual) and new.level > self.level:
             refuse(
                 "a value with derivatives is stored in an array that was made outside of the function",
@@ -276,9 +278,9 @@ def _call(function: Callable, method: str | None, args: tuple, kwargs: dict) -> 
 
 
 _REMEDIES = {
-    "sort": "order with np.minimum and np.maximum",
-    "partition": "order with np.minimum and np.maximum",
-    "median": "order with np.minimum and np.maximum",
+    "partition": "write np.sort",
+    "percentile": "write np.sort",
+    "quantile": "write np.sort",
     "lstsq": "solve the normal equations with np.linalg.solve",
     "pinv": "write np.linalg.solve(A.T @ A, A.T)",
     "copyto": "assign, x[...] = y",

@@ -35,9 +35,9 @@ def _named(names: str) -> list[Callable]:
 
 def _of_one(call: Callable, level: int, array: Dual, *args: Any, **kwargs: Any) -> Any:
     value, places = call(array.value, *args, **kwargs), call(array.places, *args, **kwargs)
-    if isinstance(places, np.ndarray):
-        return shown(array, value, places)
-    return type(places)([shown(array, v, p) for v, p in zip(value, places, strict=True)])
+    if isinstance(places, list | tuple):
+        return type(places)([shown(array, v, p) for v, p in zip(value, places, strict=True)])
+    return shown(array, value, places)
 
 
 def _of_many(elements: tuple[int, ...] | None, call: Callable, level: int, *args: Any, **kwargs: Any) -> Any:
@@ -57,9 +57,9 @@ def _of_many(elements: tuple[int, ...] | None, call: Callable, level: int, *args
     carrying = range(len(args)) if elements is None else elements
     numbers = [numbered(x) if i in carrying else x for i, x in enumerate(args)]
     value, places = call(*values(args, level), **kwargs), call(*numbers, **kwargs)
-    if isinstance(places, np.ndarray):
-        return dual(value, pool.moved(places.ravel()), level)
-    return type(places)([dual(v, pool.moved(p.ravel()), level) for v, p in zip(value, places, strict=True)])
+    if isinstance(places, list | tuple):
+        return type(places)([dual(v, pool.moved(p.ravel()), level) for v, p in zip(value, places, strict=True)])
+    return dual(value, pool.moved(places.ravel()), level)
 
 
 for _function in _named(_OF_ONE):

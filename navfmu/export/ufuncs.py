@@ -69,7 +69,7 @@ _EMPTY = {np.add: 0.0, np.multiply: 1.0, np.logical_and: True, np.logical_or: Fa
 def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     array = objects(array)
     axis = kwargs.get("axis", 0)
-    axes = tuple(range(array.ndim)) if axis is None else tuple(np.atleast_1d(axis) % max(array.ndim, 1))
+    axes = tuple(range(array.ndim)) if axis is None or array.ndim == 0 else tuple(np.atleast_1d(axis) % array.ndim)
     kept = [i for i in range(array.ndim) if i not in axes]
     shape = [array.shape[i] for i in kept]
     rows = array.transpose(kept + list(axes)).reshape(math.prod(shape), math.prod(array.shape[i] for i in axes))

@@ -107,6 +107,8 @@ ANALYTIC = {
     "solve": lambda x: np.linalg.solve(np.outer(x, x) + np.diag(x) + 5.0 * EYE, x * x),
     "solve a constant side": lambda x: np.linalg.solve(np.outer(x, x) + 5.0 * EYE, M),
     "solve with a constant matrix": lambda x: np.linalg.solve(M + 4.0 * EYE, np.outer(x, x)),
+    "solve stacks": lambda x: np.linalg.solve(np.tanh(T[:, :1] * x) + 5.0 * EYE, (T * x).transpose(0, 2, 1)),
+    "solve a stack for a vector": lambda x: np.linalg.solve(np.tanh(T[:, :1] * x) + 5.0 * EYE, x),
     "inverse": lambda x: np.linalg.inv(np.outer(x, x) + np.diag(x) + 5.0 * EYE),
     "determinant": lambda x: np.linalg.det(np.outer(x, C) + np.diag(x) + M),
     "array of elements": mixed_row,
@@ -160,5 +162,9 @@ CHOOSING = {
     "finite": lambda x: np.nan_to_num(np.where(x > 0.0, x * x, np.nan)),
     "comparisons": lambda x: (x > 0.0) * x + np.any(x > 0.0) * x[0] + np.argmax(x) * x[1] + np.count_nonzero(x) * x,
     "branch": lambda x: x * x if x[0] > 0.0 else -x,
+    "sort": lambda x: np.sort(x) + np.sort(np.outer(x, C), axis=0)[1] + np.sort(np.outer(C, x), axis=None)[3:6],
+    "median": lambda x: (
+        np.median(x) + np.median(np.outer(x, x), axis=1) + np.median(T[0] * x, axis=0, keepdims=True)[0]
+    ),
     "float powers": lambda x: np.float_power(abs(x), 1.5) + np.power(abs(x), x),
 }

@@ -42,9 +42,9 @@ REFUSED = {
     "added to an array made outside": (_add_outside, "np.zeros inside"),
     "an array made outside of the inner one": (_store_inner, "np.zeros inside"),
     "an index": (lambda x: [1, 2, 3][x[0]], "constants"),
-    "sort": (lambda x: np.sort(x), "np.minimum"),
+    "partition": (lambda x: np.partition(x, 1), "np.sort"),
     "sort as a method": (lambda x: x.sort(), "NumPy's functions"),
-    "median": (lambda x: np.median(x), "np.minimum"),
+    "quantile": (lambda x: np.quantile(x, 0.5), "np.sort"),
     "least squares": (lambda x: np.linalg.lstsq(np.outer(x, x), x), "np.linalg.solve"),
     "eigenvalues": (lambda x: np.linalg.eigvalsh(np.outer(x, x)), "see the tutorial"),
     "an unknown ufunc": (lambda x: np.spacing(x), "see the tutorial"),
@@ -87,7 +87,7 @@ def test_numpy_is_as_it_was_also_after_an_error():
     with pytest.raises(ZeroDivisionError):
         jacobian(lambda x: 1 // 0, np.ones(2))
     with pytest.raises(NavfmuError):
-        jacobian(np.sort, np.ones(2))
+        jacobian(np.partition, np.ones(2), 1)
     assert [getattr(np, name) for name in names] == before
 
 

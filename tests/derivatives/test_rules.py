@@ -52,6 +52,8 @@ KINKS = {  # function, where, one-sided derivatives of which it must be one
     "interpolated at the first row": (lambda x: np.interp(x, [0.0, 1.0], [0.0, 3.0]), 0.0, (0.0, 3.0)),
     "interpolated at the last row": (lambda x: np.interp(x, [0.0, 1.0], [0.0, 3.0]), 1.0, (0.0, 3.0)),
     "chosen": (lambda x: np.where(x < 1.0, x, 2.0 - x), 1.0, (1.0, -1.0)),
+    "one of two equal ones": (lambda x: np.sort(np.array([x, 1.0]))[0], 1.0, (0.0, 1.0)),
+    "both of two equal ones": (lambda x: np.sum(np.sort(np.array([x, 1.0]))), 1.0, (1.0,)),
     "wrapped": (lambda x: np.mod(x, 1.0), 3.0, (1.0,)),
     "a step": (np.floor, 2.0, (0.0,)),
     "zero to the power 0": (lambda x: x**0.0, 0.0, (0.0,)),

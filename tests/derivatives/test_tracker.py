@@ -10,9 +10,12 @@ import pytest
 from scipy.stats import chi2
 
 from navfmu import System
+from navfmu.derivatives import jacobian
 from navfmu.export.build import build
 from navfmu.export.twin import build_twin, sources
 from navfmu.ssp import SystemSource
+
+from .differences import extrapolated
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorial_component.md").read_text(encoding="utf-8")
 STATES = range(1, 6)
@@ -78,8 +81,8 @@ def test_native_and_twin_give_the_same_numbers(systems):
 def test_the_filter_is_as_wrong_as_it_says(systems):
     """NEES of 100 seeds: e' P^-1 e summed over seeds is chi-square with 500 degrees of freedom at each time.
 
-    Ten times are looked at, so the bounds are those of 1 - 0.01 / 10. A missing or wrong element of F or H, a rate of
-    the course in place of the mean course, say, and the error leaves what the covariance claims.
+    Ten times are looked at, so the bounds are those of 1 - 0.01 / 10. With a sign wrong in F or H the error leaves what
+    the covariance claims; what is a tenth wrong shows in the next test.
     """
     runs, times = 100, [1, 2, 5, 10, 20, 30, 45, 60, 90, 120]
     total = np.zeros(len(times))
@@ -88,3 +91,13 @@ def test_the_filter_is_as_wrong_as_it_says(systems):
         total += np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1)
     low, high = chi2.ppf([0.0005, 0.9995], 5 * runs)
     assert np.all((low < total) & (total < high)), total / runs
+
+
+def test_the_matrices_of_the_filter_are_those_of_its_equations(harbour):
+    """By differences of how the boat moves and of what the radar sees, all around the radar."""
+    tracking = harbour.tracking
+    for bearing in np.linspace(-3.0, 3.0, 7):
+        x = np.array([900.0 * np.cos(bearing), 900.0 * np.sin(bearing), 8.0, 2.0 * bearing, 0.02])
+        for function in (lambda x: tracking.moved(x, 1.5), tracking.seen):
+            truth, bound = extrapolated(function, x)
+            assert np.all(np.abs(jacobian(function, x) - truth) <= bound)

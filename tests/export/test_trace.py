@@ -63,6 +63,7 @@ EXACT = {
     "cumulated sums": (lambda v: np.cumsum(v) + np.cumprod(v[:4]).sum() + np.diff(v, prepend=0.0), V),
     "long sum": (lambda v: np.sum(v) + v.sum() + np.sum(v[:12]) + np.sum(v[:7]), V),
     "sums over axes": (lambda m: m.sum(axis=0) + np.sum(m, axis=1) + np.prod(m, axis=0), M),
+    "sums of a lone number over an axis": (lambda s: np.sum(s, axis=0) + np.max(s, axis=-1, keepdims=True), S),
     "very long sum": (lambda v: np.sum(np.tile(v, 9)), V),
     "mean": (lambda m, v: np.mean(m, axis=0) + v.mean(), M, V),
     "python sum and for": (lambda v: sum(v[:5]) + sum(x * y for x, y in zip(v[:9], v[9:18], strict=True)), V),
