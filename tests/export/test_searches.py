@@ -205,6 +205,56 @@ def test_what_is_looked_for_twice_is_searched_once_and_what_is_fixed_once_and_fo
     assert settled.count("table_rows(") == 1 and settled.count("table_corners(") == 1
 
 
+def interpolated(table, x):
+    """A function of a module that is given the table itself."""
+    return table.around(x=x).linear()
+
+
+def weighed(row, next_row):
+    """A function that is given rows, and is compiled once and called."""
+    return row @ np.ones((4, 4)) @ next_row
+
+
+def test_searches_in_a_task_whose_arrays_are_kept_whole(tmp_path):
+    """Operations enough that the task is loops and calls of functions: the rows are arrays among others there."""
+
+    class Heavy(Component):
+        """Heavy."""
+
+        x = Input(12, "m", description="x")
+        sample_period = Parameter("s", start=1.0, description="period")
+        profile = Table(columns=Searcher.profile.columns, rows=Searcher.profile.rows, key=("x", "index"))
+        ground = Grid(axes=(("north", "m", [0, 1, 3]), ("east", "m", [0, 2])), surfaces=(("z", "m", np.eye(3)[:, :2]),))
+        state = Output((40, 40), "1", description="a matrix")
+        rows = Output((12, 8), "1", description="rows")
+        rest = Output(4, "1", description="what functions make of them")
+
+        @every("sample_period")
+        def look(self):
+            matrix = 0.5 * self.state @ self.state.T + np.eye(40)
+            self.state = matrix / np.sum(matrix)
+            here = self.profile.around(x=self.x)
+            self.rows = np.concatenate([here.row, here.next_row], axis=1)
+            (z,) = self.ground.around(north=self.x[0] + self.state[1, 1], east=self.x[1]).bilinear()
+            several = [weighed(here.row[i], here.next_row[i]) for i in range(12)]
+            self.rest = np.array([np.sum(np.array(several)), interpolated(self.profile, self.x[2])[3], z, here.part[4]])
+
+    assert "for (int" in generate(lower(Heavy), "guid")
+    (file,) = build([Heavy], tmp_path, pictures=False)
+    native, floats = Slave(Unzipped(file, tmp_path / "unzipped")), Interpreter(Heavy)
+    native.initialise()
+    floats.setup()
+    for k, x in enumerate(np.random.default_rng(2).uniform(-6.0, 11.0, (50, 12))):
+        native.set("x", x.tolist())
+        floats.set("x", x)
+        native.step(float(k), 1.0)
+        floats.do_step(float(k), 1.0)
+        np.testing.assert_array_equal(np.reshape(native.get("rows"), (12, 8)), floats.get("rows"))
+        # the products of 40 terms are summed in another order by NumPy
+        np.testing.assert_allclose(native.get("rest"), floats.get("rest"), rtol=1e-13)
+    native.free()
+
+
 def test_row_and_next_row_by_time_are_one_search():
     class Timed(Component):
         """Timed."""
