@@ -14,6 +14,7 @@ from navfmu.export.codegen import generate
 from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
+from navfmu.export.picture import _panels
 from navfmu.export.response import step_response
 from navfmu.export.twin import build_twin
 
@@ -214,6 +215,7 @@ def test_an_example_run_feeds_each_bundle(fmus, tmp_path):
     response = step_response(lower(Receiver), fmu.guid, library)
     held = [response.indices.index(fmu.reference(f"held[{i}]")) for i in (1, 2, 3)]
     assert response.fed == ["beacon"]
+    assert list(_panels(lower(Receiver), response)["held (m)"]) == ["[1]", "[2]", "[3]"]
     assert np.all(response.values[-1, held] == 0.0)  # both parts step alike
     seen = [response.indices.index(fmu.reference(f"seen_at[{i}]")) for i in (1, 2, 3)]
     assert np.all(response.values[-1, seen] == pytest.approx(60.0))
