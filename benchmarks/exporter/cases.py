@@ -138,6 +138,7 @@ def _satellites() -> Iterator[Case]:
     ranges = np.linalg.norm(positions - true, axis=1) + 1000.0 + rng.normal(0.0, 3.0, 24)
     arguments = (np.zeros(4), positions, ranges, np.sin(elevation) ** 2)
     forms = {
+        "np.linalg.solve": partial(satellites.fix, solve=satellites.solve_by_library),
         "written out": partial(satellites.fix, solve=satellites.solve_written_out),
     }
     yield Case("24 satellites, four iterations of least squares", forms, arguments, "satellites", seconds=10e-6)
