@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export.extent import current
+from navfmu.export.extent import LEAST, current
 from navfmu.export.graph import Array, Node, Operand, element, in_order
 from navfmu.export.rules import Scalar, expression, is_boolean, is_whole
 
@@ -129,9 +129,14 @@ def operand(column: Sequence[Any], fits: Callable[[Operand], bool] = lambda _: T
     return known[key][0]
 
 
-def matrix(column: Sequence[Any], rows: int, columns: int) -> Operand:
-    """Return the operand for elements of a matrix that can be read with a stride for each axis."""
-    return operand(column, lambda o: o.places is not None and o.strides((rows, columns)) is not None)
+def matrix(column: Sequence[Any], rows: int, columns: int, beside: bool = False) -> Operand:
+    """Return the operand for a matrix that can be read with a stride for each axis; ``beside``: the columns by 1."""
+
+    def fits(one: Operand) -> bool:
+        strides = None if one.places is None else one.strides((rows, columns))
+        return strides is not None and (not beside or strides[1] <= 1)
+
+    return operand(column, fits)
 
 
 def block(column: Sequence[Any]) -> Operand:
@@ -176,6 +181,11 @@ def _plain(column: Sequence[Any]) -> Operand | None:
     if isinstance(source, Node) and not isinstance(source, Array):
         return None if any(e.node is not source for e in column) else Operand(source, None, len(column))
     return Operand(source, np.array([e.node.of[1] for e in column]), len(column))
+
+
+def lies_together(column: Sequence[Any]) -> bool:
+    """Whether elements are all of one source, or all one element."""
+    return _plain(column) is not None
 
 
 def _pieces(column: Sequence[Any]) -> list[list[Any]]:
@@ -268,5 +278,5 @@ def _pair(column: Sequence[Any]) -> list[Scalar]:
 def multiplied(a: Sequence[Any], b: Sequence[Any], rows: int, inner: int, columns: int) -> list[Any]:
     """Return the elements of a product of matrices; see :class:`Product`."""
     kind = "i" if all(map(is_whole, a)) and all(map(is_whole, b)) else "f"
-    operands = [matrix(a, rows, inner), matrix(b, inner, columns)]
+    operands = [matrix(a, rows, inner), matrix(b, inner, columns, beside=min(rows, columns) >= LEAST)]
     return elements(Array(Product(rows, inner, columns), rows * columns, operands), kind)

@@ -16,11 +16,11 @@ from typing import Any
 from navfmu.errors import NavfmuError
 
 #: Operations on single numbers that a task is traced with before its arrays are kept whole.
-MOST = 16_000
+MOST = 6_000
 #: The same for a function that is called.
-MOST_CALLED = 4_000
-#: Arrays with so many elements are kept whole even then, and products with four times as many products.
-LARGE = 400
+MOST_CALLED = 3_000
+#: Arrays with so many elements are kept whole even then, and products with eight times as many terms.
+LARGE = 256
 #: Arrays with fewer elements never are.
 LEAST = 8
 #: Operations on single numbers that are too many for a compiler.

@@ -98,13 +98,19 @@ def contains_traced(x: Any) -> bool:
 
 def at_each_place(rule: Callable, columns: list[list], shape: tuple[int, ...]) -> Traced:
     """Apply a rule at each place of columns of elements; in one node where arrays are kept whole."""
-    if is_kept_whole(math.prod(shape)):
+    if is_kept_whole(math.prod(shape), *columns):
         return filled(shape, arrays.mapped(rule, columns, shape))
     return built(shape, [rule(*elements) for elements in zip(*columns, strict=True)])
 
 
-def is_kept_whole(size: int) -> bool:
-    return size >= current().whole
+def is_kept_whole(size: int, *columns: list) -> bool:
+    """Return whether what is calculated from columns of elements becomes one node.
+
+    It must be large, and while most arrays are single numbers it must read what lies together already: to gather
+    numbers from many places costs more than a loop saves.
+    """
+    extent = current()
+    return size >= extent.whole and (extent.calls or all(arrays.lies_together(column) for column in columns))
 
 
 def broadcast_columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:

@@ -78,7 +78,7 @@ def _reduce(ufunc: np.ufunc, array: Any, kwargs: dict) -> Any:
     given = initial is not np._NoValue and initial is not None
     if kwargs.get("keepdims"):
         shape = [1 if i in axes else array.shape[i] for i in range(array.ndim)]
-    if is_kept_whole(rows.size) and rows.shape[1] > 1:
+    if is_kept_whole(rows.size, rows.ravel().tolist()) and rows.shape[1] > 1:
         return filled(tuple(shape), _fold_whole(ufunc, rows, fast, initial if given else None))
     results = []
     for row in rows.tolist():
@@ -115,7 +115,7 @@ def _fold_whole(ufunc: np.ufunc, rows: np.ndarray, fast: bool, initial: Any) -> 
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     array = objects(array)
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
-    if is_kept_whole(moved.size) and moved.shape[-1] > 1:
+    if is_kept_whole(moved.size, moved.ravel().tolist()) and moved.shape[-1] > 1:
         column, length = as_numbers(moved.ravel().tolist()), moved.shape[-1]
         rows = arrays.accumulated(lambda a, b: applied(ufunc, (a, b)), column, len(column) // length, length)
         return np.moveaxis(filled(moved.shape, rows), -1, kwargs.get("axis", 0))

@@ -26,41 +26,33 @@ static inline double sum(const double *x, int n, int step) {
     return sum(x, half, step) + sum(x + half * step, n - half, step);
 }
 
-/* Some rows and columns of a product, so few that their sums stay in registers. */
-#define PRODUCT_BLOCK(ROWS, COLUMNS)                                                                              \
-    {                                                                                                             \
-        double s[ROWS][COLUMNS] = {{0.0}};                                                                        \
-        for (int k = 0; k < inner; k++) {                                                                         \
-            for (int m = 0; m < ROWS; m++) {                                                                      \
-                const double x = a[(i + m) * down + k * right];                                                   \
-                for (int n = 0; n < COLUMNS; n++) s[m][n] += x * b[k * below + (j + n) * beside];                 \
-            }                                                                                                     \
-        }                                                                                                         \
-        for (int m = 0; m < ROWS; m++) {                                                                          \
-            for (int n = 0; n < COLUMNS; n++) r[(i + m) * columns + j + n] = s[m][n];                             \
-        }                                                                                                         \
-    }
-
-/* r = a b. Each element is a sum from 0.0 on, from the first product to the last; several are made at a time. */
+/* r = a b. Each element is a sum from 0.0 on, from the first product to the last: sums go on side by side. */
 static inline void product(int rows, int inner, int columns, const double *restrict a, int down, int right,
                            const double *restrict b, int below, int beside, double *restrict r) {
-    int j = 0;
-    for (; j + 8 <= columns; j += 8) {
-        for (int i = 0; i < rows; i++) PRODUCT_BLOCK(1, 8)
+    enum { SIDE_BY_SIDE = 8 };
+    for (int i = 0; i < rows && columns > 1; i++) {
+        for (int j = 0; j < columns; j++) r[i * columns + j] = 0.0;
+        for (int k = 0; k < inner; k++) {
+            const double x = a[i * down + k * right];
+            for (int j = 0; j < columns; j++) r[i * columns + j] += x * b[k * below + j * beside];
+        }
     }
-    for (; j + 4 <= columns; j += 4) {
-        int i = 0;
-        for (; i + 2 <= rows; i += 2) PRODUCT_BLOCK(2, 4)
-        for (; i < rows; i++) PRODUCT_BLOCK(1, 4)
-    }
-    for (; j < columns; j++) {
-        int i = 0;
-        for (; i + 8 <= rows; i += 8) PRODUCT_BLOCK(8, 1)
-        for (; i + 4 <= rows; i += 4) PRODUCT_BLOCK(4, 1)
-        for (; i < rows; i++) PRODUCT_BLOCK(1, 1)
+    if (columns > 1) return;
+    for (int i = 0; i < rows; i += SIDE_BY_SIDE) {
+        const int n = rows - i < SIDE_BY_SIDE ? rows - i : SIDE_BY_SIDE;
+        double s[SIDE_BY_SIDE] = {0.0};
+        if (n == SIDE_BY_SIDE) {
+            for (int k = 0; k < inner; k++) {
+                for (int m = 0; m < SIDE_BY_SIDE; m++) s[m] += a[(i + m) * down + k * right] * b[k * below];
+            }
+        } else {
+            for (int k = 0; k < inner; k++) {
+                for (int m = 0; m < n; m++) s[m] += a[(i + m) * down + k * right] * b[k * below];
+            }
+        }
+        for (int m = 0; m < n; m++) r[i + m] = s[m];
     }
 }
-#undef PRODUCT_BLOCK
 
 /* Eliminates below the diagonal of lu (n, n), with the largest pivot of each column, and does the same to b (n, columns).
    Returns the sign of the exchange of rows. */
