@@ -93,7 +93,7 @@ FLAT = (
     *(np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal),
     *(np.logical_and, np.logical_or, np.logical_not, np.logical_xor, np.isfinite, np.isinf, np.isnan),
     *((ufunc, "reduce") for ufunc in (np.logical_and, np.logical_or)),
-    *(np.round, np.around, np.fix, np.any, np.all, np.count_nonzero, np.isclose, np.allclose, np.array_equal),
+    *(np.round, np.around, np.any, np.all, np.count_nonzero, np.isclose, np.allclose, np.array_equal),
     *(np.argmax, np.argmin, np.argsort, np.nonzero, np.searchsorted, np.digitize, np.shape, np.ndim, np.size),
     *(np.result_type, np.iscomplexobj, np.isrealobj),
 )

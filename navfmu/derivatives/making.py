@@ -50,6 +50,14 @@ def _joined(original: Callable, level: int, columns: int, *args: Any, **kwargs: 
     return dual(value, Slopes.joined(leaves), level) if dtype.kind == "f" else value
 
 
+def _itself(original: Callable, level: int, columns: int, *args: Any, **kwargs: Any) -> Any:
+    """``np.asarray``: of an array of numbers it is that array."""
+    dtype = args[1] if len(args) > 1 else kwargs.get("dtype")
+    if args and isinstance(args[0], Dual) and (dtype is None or np.dtype(dtype).kind == "f"):
+        return args[0]
+    return _joined(original, level, columns, *args, **kwargs)
+
+
 def _fresh(original: Callable, level: int, columns: int, *args: Any, **kwargs: Any) -> Any:
     """An array that is made by the model's code: values with derivatives can be assigned into it."""
     fill = args[1] if len(args) > 1 else kwargs.get("fill_value")  # of np.full
@@ -68,7 +76,8 @@ def _reducing(original: Callable, level: int, columns: int, a: Any, *args: Any, 
 
 
 _WAYS = {
-    **dict.fromkeys(("array", "asarray", "asanyarray", "ascontiguousarray"), _joined),
+    "array": _joined,
+    **dict.fromkeys(("asarray", "asanyarray", "ascontiguousarray"), _itself),
     **dict.fromkeys(("zeros", "ones", "empty", "full", "eye", "identity"), _fresh),
     **dict.fromkeys(("zeros_like", "ones_like", "empty_like", "full_like"), _fresh),
     **dict.fromkeys(("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all"), _reducing),

@@ -48,6 +48,21 @@ def symmetric_fill(x):
     return p - q + p.reshape(9)[::4]
 
 
+def aliases(x):
+    y = np.asarray(2.0 * x)
+    itself, copied, turned, flat = np.asarray(y, float), np.array(y), np.outer(y, x).T, np.outer(y, x)
+    itself[0] = 5.0 * x[1]  # y, too
+    copied[1] = x[0]  # nothing else
+    turned[0, 1] *= x[2]
+    flat.ravel()[1] = x[0]  # a view
+    flat.flatten()[2] = x[0]  # a copy
+    flat.reshape(3, 3)[2][1] += x[1]
+    first, *others = flat
+    others[0][:] = first  # rows are views
+    first[:] = 0.0
+    return np.stack([y, itself, copied, *turned, *flat])
+
+
 def mixed_row(x):
     a, b, c = x
     return np.array([[a, 1.0, b * c], [0.0, np.sin(a), 2.0], [a * b, b, np.exp(c)]])
@@ -135,6 +150,7 @@ ANALYTIC = {
 CHOOSING = {
     "symmetric": symmetric_fill,
     "accumulated": accumulated,
+    "aliases": aliases,
     "assigned": assigned,
     "abs": lambda x: abs(x) + np.fabs(x) * C + np.absolute(x[0]),
     "arctan2": lambda x: np.arctan2(x[0], x[1]) + np.arctan2(x, 2.0) + np.arctan2(-1.0, x),

@@ -45,6 +45,7 @@ REFUSED = {
     "partition": (lambda x: np.partition(x, 1), "np.sort"),
     "sort as a method": (lambda x: x.sort(), "NumPy's functions"),
     "quantile": (lambda x: np.quantile(x, 0.5), "np.sort"),
+    "a diagonal that is filled": (lambda x: np.fill_diagonal(np.zeros((3, 3)), x), "x[range(n), range(n)] = y"),
     "least squares": (lambda x: np.linalg.lstsq(np.outer(x, x), x), "np.linalg.solve"),
     "eigenvalues": (lambda x: np.linalg.eigvalsh(np.outer(x, x)), "see the tutorial"),
     "an unknown ufunc": (lambda x: np.spacing(x), "see the tutorial"),
