@@ -39,9 +39,9 @@ def refuse(what: str, remedy: str) -> NoReturn:
 def _lost() -> NoReturn:
     refuse(
         "a value would lose its derivatives as a float (float(), math.*, a list where NumPy expects an array, np.array "
-        "by a name of its own, an array that was made outside of the function)",
-        "use np.sin(x) for math.sin(x), np.array([...]) for a list, and make arrays that are filled with np.zeros "
-        "inside of the function",
+        "by a name of its own, an array that was made outside of the function, a variable of a component)",
+        "use np.sin(x) for math.sin(x), np.array([...]) for a list, make arrays that are filled with np.zeros inside "
+        "of the function, and use outside of it what jacobian returns",
     )
 
 
@@ -179,7 +179,13 @@ class Dual(NDArrayOperatorsMixin):
 
     def astype(self, dtype: Any, *args: Any, **kwargs: Any) -> Any:
         """Convert; whole numbers and truth values have no derivatives."""
+        if np.dtype(dtype).kind not in "fiub":
+            _lost()
         return np.copy(self) if np.dtype(dtype).kind == "f" else self.value.astype(dtype)
+
+    def setflags(self, **flags: Any) -> None:
+        """Refuse to be a variable of a component, which would be read-only from now on."""
+        _lost()
 
     def reshape(self, *shape: Any, **kwargs: Any) -> Any:
         """Return the same elements in another shape."""

@@ -8,6 +8,9 @@ from numpy import array as array_by_name
 
 from navfmu.derivatives import jacobian
 from navfmu.errors import NavfmuError
+from navfmu.export import Component, Output, Parameter, State, every
+from navfmu.export.interpreter import Interpreter
+from navfmu.export.lower import lower
 
 OUTSIDE = np.zeros(3)
 
@@ -105,3 +108,49 @@ def test_arrays_that_do_not_depend_on_x_are_arrays():
         return x * 2.0
 
     np.testing.assert_array_equal(jacobian(function, np.ones(3)), 2.0 * np.eye(3))
+
+
+class Leaking(Component):
+    """A value with derivatives becomes an output."""
+
+    pace = Parameter("s", start=0.1, description="period")
+    x = State(2, "1", start=[1.0, 2.0], description="where")
+    y = Output("1", description="what is assigned")
+
+    @every("pace")
+    def inside(self):
+        def function(x):
+            self.y = x[0] * x[1]
+            return x
+
+        jacobian(function, self.x)
+
+
+class LeakingLater(Component):
+    """A value with derivatives is kept, and becomes an output when there are none any more."""
+
+    pace = Parameter("s", start=0.1, description="period")
+    x = State(2, "1", start=[1.0, 2.0], description="where")
+    y = Output("1", description="what is assigned")
+
+    @every("pace")
+    def outside(self):
+        kept = []
+        jacobian(lambda x: kept.append(x[0]) or x, self.x)
+        self.y = kept[0]
+
+
+@pytest.mark.parametrize("component", [Leaking, LeakingLater])
+@pytest.mark.parametrize("way", ["traced", "with floats"])
+def test_no_variable_takes_a_value_with_derivatives(component, way):
+    def run():
+        if way == "traced":
+            return lower(component)
+        one = Interpreter(component)
+        one.setup()
+        return one.do_step(0.0, 0.1)
+
+    with pytest.raises(
+        NavfmuError, match=r"test_refusals\.py, line \d+: .* a variable of a component\); use .* returns"
+    ):
+        run()
