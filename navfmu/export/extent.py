@@ -19,7 +19,7 @@ from navfmu.errors import NavfmuError
 MOST = 6_000
 #: The same for a function that is called.
 MOST_CALLED = 3_000
-#: Arrays with so many elements are kept whole even then, and products with eight times as many terms.
+#: Arrays with so many elements are kept whole even then, and products with four times as many terms.
 LARGE = 256
 #: Arrays with fewer elements never are.
 LEAST = 8

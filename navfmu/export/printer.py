@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
@@ -217,28 +218,33 @@ class _Body:
         return found
 
     def _store(self) -> None:
-        """Set the results; those that lie side by side in a loop."""
+        """Set the results; those that lie in an array at equal distances in a loop."""
         i = 0
         while i < len(self.results):
-            node, n = self.results[i], 1
-            if node.op == "element" and isinstance(node.of[0], Array) and node not in self.known:
-                array, first = node.of
-                while i + n < len(self.results):
-                    other = self.results[i + n]
-                    if other.op != "element" or other.of[0] is not array or other.of[1] != first + n:
-                        break
-                    n += 1
-            if n > 1 and self.final.get(array) == i - first and first == 0:
+            node = self.results[i]
+            array = node.of[0] if node.op == "element" and node not in self.known else None
+            if not isinstance(array, Array):
+                self.statements.append(f"    r[{i}] = {self.texts[node]};")
+                i += 1
+                continue
+            if self.final.get(array) == i:
                 i += array.size
                 continue
+            places = [node.of[1]]
+            for other in self.results[i + 1 :]:
+                if other.op != "element" or other.of[0] is not array or other in self.known:
+                    break
+                if len(places) > 1 and other.of[1] - places[-1] != places[1] - places[0]:
+                    break
+                places.append(other.of[1])
+            n = len(places)
             if n < _SHORT:
                 self.statements.append(f"    r[{i}] = {self.texts[node]};")
                 i += 1
                 continue
-            vector, place = self._array_place(array)
-            self.statements.append(
-                f"    for (int i = 0; i < {n}; i++) r[{_plus('i', i)}] = {vector}[{_plus('i', place + first)}];"
-            )
+            vector, first = self._array_place(array)
+            read = _sum([("i", places[1] - places[0])], first + places[0])
+            self.statements.append(f"    for (int i = 0; i < {n}; i++) r[{_plus('i', i)}] = {vector}[{read}];")
             i += n
 
     # --- arrays ---
@@ -266,8 +272,9 @@ class _Body:
         key = kind, numbers.tobytes()
         if key not in self.constants:
             name = f"{'c' if kind == 'double' else 'n'}{len(self.constants)}"
-            text = ", ".join(c_number(x) if kind == "double" else str(x) for x in numbers.tolist())
-            self.constants[key] = name, f"    static const {kind} {name}[] = {{{text}}};"
+            texts = (c_number(x).removesuffix(".0") if kind == "double" else str(x) for x in numbers.tolist())
+            text = textwrap.fill(", ".join(texts), 116, initial_indent=" " * 8, subsequent_indent=" " * 8)
+            self.constants[key] = name, f"    static const {kind} {name}[] = {{\n{text}\n    }};"
         return self.constants[key][0]
 
     def _vector(self, operand: Operand) -> tuple[str, int]:
@@ -375,7 +382,7 @@ class _Body:
             begin = "" if how.first is None else f"{c_number(how.first)} + "
             self.statements += [
                 f"    for (int i = 0; i < {how.rows}; i++)",
-                f"        {name}[i] = {begin}sum({vector} + {row}, {how.length}, {along});",
+                f"        {name}[i] = {begin}sum({vector if row == '0' else f'{vector} + {row}'}, {how.length}, {along});",
             ]
             return
         first = c_number(how.first) if how.first is not None else f"{vector}[{row}]"

@@ -33,7 +33,7 @@ def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
     """Product of two matrices, in one node if it is large."""
     (rows, inner), columns = a.shape, b.shape[1]
     left, right = a.ravel().tolist(), b.ravel().tolist()
-    if inner != len(b) or not is_kept_whole(rows * inner * columns // 8, left, right):
+    if inner != len(b) or not is_kept_whole(rows * inner * columns // 4, left, right):
         return _multiply(np.matmul, a, b)
     elements = arrays.multiplied(as_numbers(left), as_numbers(right), rows, inner, columns)
     return filled((rows, columns), elements)
