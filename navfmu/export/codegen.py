@@ -207,7 +207,8 @@ def _task(model: ir.Model, i: int, ticking: list[ir.Clock]) -> str:
 def _table(table: ir.Table, i: int) -> str:
     header = _bytes(numbers.header(table.labels, table.is_grid))
     columns = f"{len(table.columns)}, labels_{i}, {len(table.keys)}, keys_{i}"
-    return f"{{{_text(table.file)}, {header}, {int(table.is_grid)}, {columns}}}"
+    text = -1 if table.text is None else table.text
+    return f"{{{_text(table.file)}, {header}, {int(table.is_grid)}, {columns}, {text}}}"
 
 
 def _access(variable: ir.Variable) -> str:

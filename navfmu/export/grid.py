@@ -16,26 +16,35 @@ class Grid(Numbers):
 
     ``axes`` are two of (name, unit, numbers), which increase; ``surfaces`` are (name, unit, heights), heights an array
     (numbers of the first axis, numbers of the second). Outside of the grid, and for NaN, the nearest cell is found as
-    in a :class:`~navfmu.export.table.Table`.
+    in a :class:`~navfmu.export.table.Table`, where ``file`` is explained, too.
     """
 
     between_keys = "and"
 
-    def __init__(self, *, axes: tuple[tuple[str, str, Any], ...], surfaces: tuple[tuple[str, str, Any], ...]) -> None:
-        super().__init__()
+    def __init__(
+        self,
+        *,
+        axes: tuple[tuple[str, str, Any], ...],
+        surfaces: tuple[tuple[str, str, Any], ...],
+        file: str | None = None,
+    ) -> None:
+        super().__init__(file)
         if len(axes) != 2 or not surfaces:
             self.refuse(f"has {len(axes)} axes and {len(surfaces)} surfaces; expected 2 axes and a surface or more")
         self.columns = tuple((str(name), str(unit)) for name, unit, _ in (*axes, *surfaces))
-        self.numbers = tuple(np.array(numbers, float) for *_, numbers in (*axes, *surfaces))
         self.keys = (0, 1)
-        for (name, _), numbers, dimensions in zip(
-            self.columns, self.numbers, (1, 1, *(2 for _ in surfaces)), strict=True
-        ):
-            expected = (self.numbers[0].size, self.numbers[1].size)
-            if numbers.ndim != dimensions or (dimensions == 2 and numbers.shape != expected):
-                wanted = f"expected {expected}" if dimensions == 2 else "expected a list of numbers"
-                self.refuse(f"has '{name}' of shape {numbers.shape}, {wanted}")
-        self.check()
+        self.hold(tuple(np.array(numbers, float) for *_, numbers in (*axes, *surfaces)))
+
+    def hold(self, numbers: tuple[np.ndarray, ...]) -> None:
+        """Have these numbers: two axes (n,) and (m,), and surfaces (n, m)."""
+        expected = (numbers[0].size, numbers[1].size)
+        dimensions = (1, 1, *(2 for _ in numbers[2:]))
+        for (name, _), column, dimension in zip(self.columns, numbers, dimensions, strict=True):
+            if column.ndim != dimension or (dimension == 2 and column.shape != expected):
+                wanted = f"expected {expected}" if dimension == 2 else "expected a list of numbers"
+                self.refuse(f"has '{name}' of shape {column.shape}, {wanted}")
+        super().hold(numbers)
+        self.heights = np.stack(numbers[2:], -1)  # (n, m, surfaces)
 
     def routine(self, key: int) -> tuple[Any, ...]:
         """Return the C function that copies a cell, and the number that it is given."""
@@ -51,8 +60,7 @@ class Grid(Numbers):
         values = np.broadcast_arrays(*values)
         places = [np.stack([found, found + 1], -1) for found in (self.find(axis, values[axis]) for axis in (0, 1))]
         ends = [self.numbers[axis][places[axis]] for axis in (0, 1)]
-        heights = np.stack(self.numbers[2:], -1)
-        corners = heights[places[0][..., :, None], places[1][..., None, :]]
+        corners = self.heights[places[0][..., :, None], places[1][..., None, :]]
         return np.concatenate([*ends, corners.reshape(*corners.shape[:-3], -1)], -1)
 
     def __get__(self, component: Any, owner: type) -> Any:

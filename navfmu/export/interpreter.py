@@ -10,8 +10,10 @@ import dataclasses
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -32,6 +34,7 @@ _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
 #: The times that belong to the state.
 _TIMES = ("time", "start_time", "stop_time", "elapsed", "base", "rest", "step", "alike")
 _EPSILON = 2.220446049250313e-16
+_OWN: Mapping[str, Numbers] = MappingProxyType({})  # tables are as they were declared
 
 
 @dataclasses.dataclass
@@ -61,9 +64,11 @@ class Clock:
 class FloatFrame(Frame):
     """Floats for everything a task can read."""
 
-    def __init__(self, layout: Layout, values: np.ndarray, time: float, period: float) -> None:
+    def __init__(
+        self, layout: Layout, values: np.ndarray, time: float, period: float, tables: Mapping[str, Numbers] = _OWN
+    ) -> None:
         super().__init__(layout, time, period)
-        self.values = values
+        self.values, self.tables = values, tables
 
     def load(self, variable: ir.Variable) -> Any:
         values = self.values[variable.index : variable.index + variable.size]
@@ -95,7 +100,7 @@ class FloatFrame(Frame):
         return array if variable.shape else array[()]
 
     def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
-        return table.look_up(key, *values)
+        return self.tables.get(table.name, table).look_up(key, *values)
 
     def commit(self) -> None:
         """Store what the task assigned."""
@@ -122,11 +127,17 @@ def is_whole(value: float) -> bool:
 
 
 def _run_task(
-    component: type[Component], task: TaskDeclaration, values: np.ndarray, k: int, time: float, period: float
+    component: type[Component],
+    task: TaskDeclaration,
+    values: np.ndarray,
+    k: int,
+    time: float,
+    period: float,
+    tables: Mapping[str, Numbers] = _OWN,
 ) -> set[str]:
     """Run a task on the values and store what it assigns; return the names of that."""
     layout = component.layout
-    frame = FloatFrame(layout, values, time, period)
+    frame = FloatFrame(layout, values, time, period, tables)
     arguments: tuple[Any, ...] = task.element
     if task.uses_noise:
         seed, stream = (nearest_int(values[layout.fields[name].index]) for name in ("seed", "stream"))
@@ -171,8 +182,14 @@ def _number(component: type[Component]) -> str:
     tasks = [(task.name, task.kind, task.argument, task.offset) for task in layout.tasks]
     digest = hashlib.sha256(repr((variables(component), tasks)).encode())
     for table in layout.tables:
-        digest.update(table.digest().encode())
+        if table.file is None:
+            digest.update(table.digest().encode())
     return digest.hexdigest()[:16]
+
+
+def _digest(tables: Mapping[str, Numbers]) -> str:
+    """Return a hash of tables that strings name, "" for none."""
+    return hashlib.sha256(repr([table.digest() for table in tables.values()]).encode()).hexdigest() if tables else ""
 
 
 class Interpreter:
@@ -181,11 +198,12 @@ class Interpreter:
     ``set`` and ``get`` take FMI names (``x``, ``x[2]``, ``fix.valid``; the bare name of an array means all of it) or
     value references. Life: construct, set parameters, ``setup``, set inputs, ``do_step``... A call that is not
     allowed, or a value that is not, is a :class:`NavfmuError` and changes nothing. A saved state fits where variables,
-    tasks and tables are the same, and so is ``build``, the name of it for those who know one.
+    tasks and tables are the same, and so is ``build``, the name of it for those who know one. ``resources`` is the
+    folder of files that strings name.
     """
 
-    def __init__(self, component: type[Component], build: str = "") -> None:
-        self.component = component
+    def __init__(self, component: type[Component], build: str = "", resources: str | Path = ".") -> None:
+        self.component, self.resources = component, Path(resources)
         self.layout = component.layout
         self._build = f"{build} {_number(component)}".strip()
         self.variables = variables(component)
@@ -197,6 +215,7 @@ class Interpreter:
         self._clock_of = [self.layout.clock(task) for task in self.layout.tasks]
         self._ticking = list(dict.fromkeys(clock for clock in self._clock_of if clock is not None))
         self._calculated = any(v.initial == "calculated" for v in self.variables)
+        self.tables: dict[str, Numbers] = {}  # those that strings name
         self.events: list[str] = []  # what was said under logEvents, until somebody clears it
         self.reset()
 
@@ -216,6 +235,7 @@ class Interpreter:
         self.slopes: dict[int, float] = {}
         self.clocks: dict[ir.Clock, Clock] = {}
         self.last = [0] * len(self.layout.tasks)
+        self.named = ""  # what the tables that strings name held when initialisation ended
         self._before: dict | None = None
 
     def setup(self, start: float = 0.0, stop: float | None = None) -> None:
@@ -242,9 +262,11 @@ class Interpreter:
         """End initialisation: check the parameters, run the start tasks."""
         self._allow("fmi2ExitInitializationMode")
         self._undo_preview()
+        self.tables = self._named_tables(self.texts)
         self._check_parameters()
         self._preview()
         self._before = None  # what was calculated stays
+        self.named = _digest(self.tables)
         self.time = self.start_time
         for clock in self._ticking:
             offset = 0.0 if clock.offset is None else float(self.values[clock.offset])
@@ -363,13 +385,19 @@ class Interpreter:
             "slopes": [[i, slope] for i, slope in self.slopes.items()],
             "clocks": [dataclasses.astuple(clock) for clock in self.clocks.values()],
             "last": list(self.last),
+            "named": self.named,
         }
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Return to a saved state."""
         if (state.get("component"), state.get("build")) != (self.layout.name, self._build):
             self._refuse("OTHER_STATE", self.layout.name)
-        self._before = None
+        if state["named"]:
+            tables = self._named_tables(state["texts"])
+            if _digest(tables) != state["named"]:
+                self._refuse("OTHER_STATE", self.layout.name)
+            self.tables = tables
+        self._before, self.named = None, state["named"]
         self.values, self.texts = np.array(state["values"], float), list(state["texts"])
         for name, value in zip(_TIMES, state["times"], strict=True):
             setattr(self, name, value)
@@ -378,12 +406,25 @@ class Interpreter:
         self.clocks = {key: Clock(*row) for key, row in zip(self._ticking, state["clocks"], strict=False)}
         self.last = list(state["last"])
 
+    def _named_tables(self, texts: Sequence[str]) -> dict[str, Numbers]:
+        """Return the tables whose files these texts name; where a text is empty the one that was declared."""
+        found = {}
+        for table in self.layout.tables:
+            number = self.layout.text_of_file(table)
+            if number is not None:
+                path = self.resources / texts[number]
+                known = self.tables.get(table.name)
+                read = known if known and known.place == str(path) else None
+                found[table.name] = read or (table.read(path) if texts[number] else table)
+        return found
+
     def _preview(self) -> None:
         """Calculate what depends on what was set so far; when that fails, nothing has changed."""
         if self._before is not None:
             return
         self._before = self.get_state()
         try:
+            self.tables = self._named_tables(self.texts)
             for task in self.layout.tasks:
                 if task.kind == "start":
                     self._run(task, 0, self.start_time, 0.0)
@@ -431,7 +472,7 @@ class Interpreter:
         sentences = [s for e in parameters if (s := self._range_sentence(e, float(self.values[e.index])))]
         sentences = sentences or [s for s in self._clock_sentences() if s]
         for requirement in self.layout.requirements if not sentences else ():
-            frame = FloatFrame(self.layout, self.values, self.start_time, 0.0)
+            frame = FloatFrame(self.layout, self.values, self.start_time, 0.0, self.tables)
             holds = requirement.function(self.component(frame))
             if not holds or holds != holds:
                 values = {n: float(self.values[self.layout.index(n)]) for n in requirement.names}
@@ -444,7 +485,7 @@ class Interpreter:
     # --- stepping ---
 
     def _run(self, task: TaskDeclaration, k: int, time: float, period: float) -> None:
-        _run_task(self.component, task, self.values, k, time, period)
+        _run_task(self.component, task, self.values, k, time, period, self.tables)
 
     def _run_on_new(self, number: int, task: TaskDeclaration, time: float, tolerance: float, period: float) -> None:
         """Run the task if the bundle's number has changed and its time has come."""

@@ -220,12 +220,29 @@ class Layout:
             if clock := self._named_clock(task):
                 self._check_time("period", clock[0])
                 self._check_time("offset", clock[1])
+        for table in self.tables:
+            self._check_file(table)
         for requirement in self.requirements:
             for name in requirement.names:
                 if self.index(name) is None:
                     self.fail(f"the sentence names '{name}', unknown{hint(name, self.named)}", requirement.place)
                 if self.elements[self.index(name)].variable.type == "String":
                     self.fail(f"the sentence names '{name}', which is a string; it shows numbers", requirement.place)
+
+    def _check_file(self, table: Numbers) -> None:
+        """Refuse the name of a file that no host can set."""
+        field = self.fields.get(table.file) if table.file else None
+        if table.file and (field is None or (field.type, field.shape) != ("String", ())):
+            known = [n for n, f in self.fields.items() if f.type == "String"]
+            hint = nearest(str(table.file), known)
+            self.fail(
+                f"the file of '{table.name}' is named by '{table.file}', which is no string Parameter{hint}",
+                table.place,
+            )
+
+    def text_of_file(self, table: Numbers) -> int | None:
+        """Return which of the component's texts names the file of a table."""
+        return int(self.fields[table.file].start[0]) if table.file else None
 
     def _check_time(self, what: str, name: str | None) -> None:
         """Refuse a period or an offset that is no time which the user sets."""

@@ -200,6 +200,7 @@ def lower(component: type[Component]) -> ir.Model:
             units=tuple(unit for _, unit in table.columns),
             numbers=table.numbers,
             keys=table.keys,
+            text=layout.text_of_file(table),
         )
         for table in layout.tables
     )

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.place import check_text, place
+from navfmu.files.numbers import label, unpacked
+from navfmu.files.reading import read_bytes
 
 
 class Numbers:
     """Named columns of numbers, searched by those of them that increase.
 
     ``columns`` are (name, unit) pairs and ``numbers`` an array for each; ``keys`` are the places of those that
-    increase.
+    increase. ``file`` is the name of a string Parameter that names a file to read instead.
     """
 
     columns: tuple[tuple[str, str], ...]
@@ -23,8 +27,8 @@ class Numbers:
     keys: tuple[int, ...]
     between_keys = "or"  # "and" where a search needs all of them
 
-    def __init__(self) -> None:
-        self.place, self.name = place(), ""
+    def __init__(self, file: str | None) -> None:
+        self.place, self.name, self.file = place(), "", file
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -36,8 +40,12 @@ class Numbers:
         """Raise the error for this declaration."""
         raise NavfmuError(f"{self.place}: {type(self).__name__} {what}")
 
-    def check(self) -> None:
-        """Refuse columns that cannot be told apart, numbers that are not finite and keys that do not increase."""
+    def hold(self, numbers: tuple[np.ndarray, ...]) -> None:
+        """Have these numbers, an array for each column.
+
+        Refused are columns that cannot be told apart, numbers that are not finite and keys that do not increase.
+        """
+        self.numbers = numbers
         names = [name for name, _ in self.columns]
         check_text(self.place, f"{type(self).__name__}: columns", "".join(name + unit for name, unit in self.columns))
         for place_, (name, column) in enumerate(zip(names, self.numbers, strict=True)):
@@ -48,6 +56,17 @@ class Numbers:
             if place_ in self.keys and not (len(column) > 1 and np.all(np.diff(column) > 0)):
                 self.refuse(f"is searched by '{name}', which does not increase; expected two or more numbers that do")
             column.setflags(write=False)
+
+    def read(self, path: Path) -> Numbers:
+        """Return the same table with the numbers of a file, which has the same columns."""
+        found = unpacked(read_bytes(path, "a table"), str(path))
+        form = {label(*column): numbers.ndim for column, numbers in zip(self.columns, self.numbers, strict=True)}
+        if {name: column.ndim for name, column in found.items()} != form or list(found) != list(form):
+            raise NavfmuError(f"{path}: has the columns {', '.join(found)}; expected {', '.join(form)}")
+        other = copy.copy(self)
+        other.place = str(path)
+        other.hold(tuple(found.values()))
+        return other
 
     def digest(self) -> str:
         """Return a hash of what it holds, and of what it is searched by."""

@@ -19,20 +19,26 @@ class Table(Numbers):
     several; it is the first one if nothing is said. A key increases from row to row. Where the first column is a time
     in s, ``self.<name>.row`` and ``.next_row`` are the rows around ``self.time``.
 
+    ``file`` names a string Parameter that has the name of a file, in the resources or with a whole path, which is read
+    instead of these rows when initialisation ends; where the text is empty the rows are these.
+
     Below the first row the first two rows are found; above the last row, and for NaN, the last two: interpolation must
     clip its fraction to stay at the ends, as :meth:`Around.linear` does.
     """
 
     def __init__(
-        self, *, columns: tuple[tuple[str, str], ...], rows: Any, key: str | tuple[str, ...] | None = None
+        self,
+        *,
+        columns: tuple[tuple[str, str], ...],
+        rows: Any,
+        key: str | tuple[str, ...] | None = None,
+        file: str | None = None,
     ) -> None:
-        super().__init__()
+        super().__init__(file)
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
-        self.rows = np.array(rows, float)
-        if not self.columns or self.rows.ndim != 2 or self.rows.shape[1] != len(self.columns) or len(self.rows) < 2:
-            self.refuse(f"rows have shape {self.rows.shape}, expected at least 2 rows of {len(self.columns)} columns")
-        self.rows.setflags(write=False)
-        self.numbers = tuple(self.rows.T)
+        rows = np.array(rows, float)
+        if not self.columns or rows.ndim != 2 or rows.shape[1] != len(self.columns) or len(rows) < 2:
+            self.refuse(f"rows have shape {rows.shape}, expected at least 2 rows of {len(self.columns)} columns")
         names = [name for name, _ in self.columns]
         keys = names[:1] if key is None else [key] if isinstance(key, str) else list(key)
         if wrong := next((name for name in keys if name not in names), None):
@@ -40,7 +46,13 @@ class Table(Numbers):
         if not keys:
             self.refuse("is searched by nothing; expected a column")
         self.keys = tuple(names.index(name) for name in keys)
-        self.check()
+        self.hold(tuple(rows.T))
+
+    def hold(self, numbers: tuple[np.ndarray, ...]) -> None:
+        """Have these numbers, an array for each column."""
+        super().hold(numbers)
+        self.rows = np.stack(numbers, -1)
+        self.rows.setflags(write=False)
 
     def routine(self, key: int) -> tuple[Any, ...]:
         """Return the C function that copies two rows, and the numbers that it is given."""

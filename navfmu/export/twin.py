@@ -156,7 +156,7 @@ class {component}Slave(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.modelName = {name!r}
-        self.run = _INTERPRETER(_component(self.resources), _UNIQUE)
+        self.run = _INTERPRETER(_component(self.resources), _UNIQUE, self.resources)
 
     @_told
     def setup_experiment(self, start_time, stop_time, tolerance):

@@ -139,6 +139,42 @@ class Searcher(Component):
         )
 
 
+class Planned(Component):
+    """A table and a grid whose files are named by strings, and a table that is its own."""
+
+    plan_file = Parameter(kind="string", longest=300, description="file of the plan")
+    field_file = Parameter(kind="string", longest=300, description="file of the field")
+    most = Parameter("m", start=1e3, description="highest altitude of the plan at the start")
+    sample_period = Parameter("s", start=0.5, min=1e-3, description="sampling period")
+    plan = Table(columns=(("time", "s"), ("x", "m")), rows=[[0.0, 1.0], [4.0, 9.0]], file="plan_file")
+    field = Grid(
+        axes=(("x", "m", [0.0, 9.0]), ("y", "m", [0.0, 1.0])),
+        surfaces=(("z", "m", [[0.0, 1.0], [9.0, 10.0]]),),
+        file="field_file",
+    )
+    own = Table(columns=(("time", "s"), ("x", "m")), rows=[[0.0, 7.0], [4.0, 7.0]])
+    x = Output("m", description="plan")
+    z = Output("m", description="field at the plan")
+    first = Output("m", description="first row of the plan, found by a constant")
+
+    @require("the plan begins above {most}")
+    def low(self):
+        return self.plan.around(time=0.0).row[1] <= self.most
+
+    def find(self):
+        self.x = self.plan.around(time=self.time).linear()[1]
+        (self.z,) = self.field.around(x=self.x, y=0.5).bilinear()
+        self.first = self.plan.around(time=-1.0).row[1] + self.own.row[1] - 7.0
+
+    @start
+    def begin(self):
+        self.find()
+
+    @every("sample_period")
+    def fly(self):
+        self.find()
+
+
 class TwoRates(Component):
     """Two clocks, with tasks that see each other's results in the order of their declaration."""
 

@@ -11,13 +11,41 @@ from navfmu.export.lower import lower
 from tests import sanitizers
 
 from .arrays import Cube, Receiver
-from .components import Iterating, Listener, Mixed, Modes, Named, Rows, Searcher, Sensor, Source, Ticking, TwoRates
+from .components import (
+    Iterating,
+    Listener,
+    Mixed,
+    Modes,
+    Named,
+    Planned,
+    Rows,
+    Searcher,
+    Sensor,
+    Source,
+    Ticking,
+    TwoRates,
+)
 
 
 @sanitizers.needs_gcc
 @pytest.mark.parametrize(
     "component",
-    [Sensor, Listener, Source, Rows, Searcher, TwoRates, Mixed, Modes, Named, Ticking, Iterating, Cube, Receiver],
+    [
+        Sensor,
+        Listener,
+        Source,
+        Rows,
+        Searcher,
+        Planned,
+        TwoRates,
+        Mixed,
+        Modes,
+        Named,
+        Ticking,
+        Iterating,
+        Cube,
+        Receiver,
+    ],
 )
 def test_sanitizers_find_nothing_whatever_a_host_calls(component, tmp_path):
     model = lower(component)

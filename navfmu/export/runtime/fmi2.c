@@ -450,8 +450,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     Slave *slave = c;
     if (!slave) return fmi2Error;
     if (!belongs(slave, state, snapshot_size(slave))) return fmi2Error;
-    memcpy(slave->core.state, (const Snapshot *)state + 1, slave->core.state_size);
-    instance_follow(&slave->core);
+    if (instance_take(&slave->core, (const State *)((const Snapshot *)state + 1))) return fmi2Error;
     slave->last_step = fmi2OK;
     return fmi2OK;
 }

@@ -59,12 +59,50 @@ static size_t lay_out(Instance *self, char *base) {
     char *state = take(base, &size, self->state_size, 1);
     self->before = take(base, &size, self->state_size, 1);
     self->tables = take(base, &size, at_least_one(model.table_count), sizeof(Table));
+    self->others = take(base, &size, at_least_one(model.table_count), sizeof(Table));
     self->fixed = take(base, &size, at_least_one(model.fixed_count), sizeof(double));
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
     if (base) lay_out_state(self, state);
     return size;
+}
+
+/* Read the table with this name, which is that of a file. Returns 0, or 1 after reporting why not. */
+static int load_table(Instance *self, Table *table, int i, const char *name) {
+    char problem[900];
+    if (table_load(table, &model.tables[i], name, self->resources, problem, sizeof problem) == 0) return 0;
+    instance_say(self, ERROR, "%s", problem);
+    return 1;
+}
+
+/* Read the tables whose Strings, among these texts, name other files than before. They must hold what has this number
+   if it is not 0. Returns 0; or 1 after reporting why not, then all tables are what they were. */
+static int name_tables(Instance *self, const char *texts, uint64_t wanted, uint64_t *number) {
+    int failed = 0;
+    *number = 0;
+    for (int i = 0; i < model.table_count; i++) {
+        const int text = model.tables[i].text;
+        if (text < 0) continue;
+        const char *name = texts + model.texts[text].place;
+        const int same = strcmp(name, self->tables[i].name) == 0;
+        if (!failed && !same) failed = load_table(self, &self->others[i], i, name);
+        if (!failed) *number = table_number(same ? &self->tables[i] : &self->others[i], *number);
+    }
+    if (!failed && wanted && *number != wanted) {
+        instance_say(self, SAY_OTHER_STATE, model.identifier);
+        failed = 1;
+    }
+    for (int i = 0; i < model.table_count; i++) {
+        if (!failed && self->others[i].values) {
+            table_free(&self->tables[i]);
+            self->tables[i] = self->others[i];
+        } else {
+            table_free(&self->others[i]);
+        }
+        memset(&self->others[i], 0, sizeof self->others[i]);
+    }
+    return failed;
 }
 
 static int instance_create(Instance *self, const char *resources) {
@@ -75,13 +113,15 @@ static int instance_create(Instance *self, const char *resources) {
         return 1;
     }
     lay_out(self, self->memory);
+    self->resources = calloc(1, resources ? strlen(resources) + 1 : 1);
+    if (!self->resources) {
+        instance_say(self, ERROR, "There is not enough memory for another instance.");
+        return 1;
+    }
+    if (resources) strcpy(self->resources, resources);
     for (int i = 0; i < model.table_count; i++) {
-        char problem[900];
-        if (table_load(&self->tables[i], &model.tables[i], resources, problem, sizeof problem)) {
-            instance_say(self, ERROR, "%s", problem);
-            return 1;
-        }
-        self->table_number = table_number(&self->tables[i], self->table_number);
+        if (load_table(self, &self->tables[i], i, "")) return 1;
+        if (model.tables[i].text < 0) self->table_number = table_number(&self->tables[i], self->table_number);
     }
     instance_reset(self);
     return 0;
@@ -90,6 +130,7 @@ static int instance_create(Instance *self, const char *resources) {
 static void instance_destroy(Instance *self) {
     if (!self->memory) return;
     for (int i = 0; i < model.table_count; i++) table_free(&self->tables[i]);
+    free(self->resources);
     free(self->memory);
     self->memory = NULL;
 }
@@ -174,6 +215,8 @@ static inline void instance_pass(Instance *self) {
 }
 
 static int run_start_tasks(Instance *self) {
+    uint64_t number;
+    if (name_tables(self, self->texts, 0, &number)) return 1;
     for (int i = 0; i < model.task_count; i++) {
         if (model.tasks[i].kind == ON_START && run(self, &model.tasks[i], 0, self->state->start)) return 1;
     }
@@ -457,15 +500,26 @@ static int parameters_hold(Instance *self) {
     return good;
 }
 
-static void instance_follow(Instance *self) {
+static void fix(Instance *self) {
     self->previewed = 0;
     model.fix(self->v, self->tables, self->fixed);
 }
 
+static int instance_take(Instance *self, const State *state) {
+    const char *texts = (const char *)state + (self->texts - (const char *)self->state);
+    uint64_t number;
+    if (state->named && name_tables(self, texts, state->named, &number)) return 1;
+    memcpy(self->state, state, self->state_size);
+    fix(self);
+    return 0;
+}
+
 static int instance_start(Instance *self) {
+    uint64_t number;
     instance_undo_preview(self);
-    if (!parameters_hold(self) || instance_preview(self)) return 1;
-    instance_follow(self); /* what was calculated stays */
+    if (name_tables(self, self->texts, 0, &number) || !parameters_hold(self) || instance_preview(self)) return 1;
+    fix(self); /* what was calculated stays */
+    self->state->named = number;
     start_clocks(self);
     self->state->time = self->state->start;
     self->state->phase = STEPPING;

@@ -27,6 +27,7 @@ typedef struct {
     int64_t phase;
     int64_t passed;     /* outputs that follow inputs directly have left at this communication point */
     int64_t slopes_set; /* some input has a derivative for the coming step */
+    uint64_t named;     /* what the tables that Strings name held when initialisation ended, as a number */
 } State;
 
 /* A clock: tick k comes at origin + (k - first) * period since the start. */
@@ -57,8 +58,10 @@ struct Instance {
     State *before;    /* copy of the block while outputs are shown in initialisation mode, */
     int previewed;    /* which `before` undoes */
 
-    Table *tables;    /* constant after instantiation */
-    uint64_t table_number; /* what they hold, as a number */
+    Table *tables;    /* constant after instantiation but for those that Strings name */
+    Table *others;    /* while these are read */
+    char *resources;
+    uint64_t table_number; /* what those hold that are constant, as a number */
     double *fixed;    /* follows from values that stand since initialisation: not part of the state */
 
     /* buffers of one task's run */
@@ -79,8 +82,9 @@ static inline void instance_undo_preview(Instance *self);
 /* Check the parameters and run the start tasks. Returns 0, or 1 after reporting why not; then nothing has changed. */
 static int instance_start(Instance *self);
 
-/* The block holds another state now: bring along what lies outside of it. */
-static void instance_follow(Instance *self);
+/* Take a block that holds another state, and bring along what lies outside of it. Returns 0, or 1 after reporting that
+   this cannot be done, as it has other tables; then nothing has changed. */
+static int instance_take(Instance *self, const State *state);
 
 /* Calculate what passes through, from what was set last. */
 static inline void instance_pass(Instance *self);

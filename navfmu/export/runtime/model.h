@@ -75,6 +75,7 @@ typedef struct {
     const char *const *labels;
     int key_count;
     const int *keys;           /* the columns that increase */
+    int text;                  /* which of the texts names another file to read instead, or -1 */
 } TableInfo;
 
 /* The text of a String. */

@@ -26,9 +26,17 @@ static int starts_with(const char *text, const char *lower) {
     return 1;
 }
 
+static int is_whole_path(const char *path) {
+#ifdef _WIN32
+    if (path[0] == '\\' || (path[0] && path[1] == ':')) return 1;
+#endif
+    return path[0] == '/';
+}
+
 /* fmuResourceLocation is a URI (file:///dir, file:/dir, file://localhost/dir, file://server/dir); plain paths, which
    some hosts pass, are taken as they are. Returns a new string, or NULL. */
 static char *path_from_uri(const char *uri, const char *file) {
+    if (is_whole_path(file)) uri = "";
     int is_uri = starts_with(uri, "file:");
     if (is_uri) {
         uri += 5;
@@ -212,17 +220,22 @@ static int read_table(Table *table, FILE *file, const char *path, char *problem,
     return check(table, path, problem, size);
 }
 
-static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size) {
+static int table_load(Table *table, const TableInfo *info, const char *name, const char *resources, char *problem,
+                      size_t size) {
+    const char *called = *name ? name : info->file;
     table->info = info;
-    if (!resources || !*resources) {
-        snprintf(problem, size, "No fmuResourceLocation was given, but this FMU reads the table resources/%s.", info->file);
+    if ((!resources || !*resources) && !is_whole_path(called)) {
+        snprintf(problem, size, "No fmuResourceLocation was given, but this FMU reads the table resources/%s.", called);
         return 1;
     }
-    char *path = path_from_uri(resources, info->file);
-    if (!path) {
-        snprintf(problem, size, "There is not enough memory for the table %s.", info->file);
+    char *path = path_from_uri(resources, called);
+    table->name = malloc(strlen(name) + 1);
+    if (!path || !table->name) {
+        snprintf(problem, size, "There is not enough memory for the table %s.", called);
+        free(path);
         return 1;
     }
+    strcpy(table->name, name);
     FILE *file = open_file(path);
     const int failed = read_table(table, file, path, problem, size);
     if (file) fclose(file);
@@ -232,7 +245,9 @@ static int table_load(Table *table, const TableInfo *info, const char *resources
 
 static void table_free(Table *table) {
     free(table->values);
+    free(table->name);
     table->values = NULL;
+    table->name = NULL;
 }
 
 static uint64_t table_number(const Table *table, uint64_t before) {

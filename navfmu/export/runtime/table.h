@@ -14,14 +14,17 @@ enum { SEARCHES = 16 }; /* that remember where they have ended; more than these 
 
 struct Table {
     const TableInfo *info;
+    char *name;      /* of the file that it was read from, as it was given; "" for its own */
     int sizes[2];    /* rows, -1; of a grid the numbers of its axes */
     size_t count;
     double *values;  /* row after row; of a grid the axes, then surface after surface */
     int64_t last[SEARCHES][2]; /* where searches have ended (on either axis): saves time, decides nothing */
 };
 
-/* Read resources/FILE. Returns 0 when done, else writes a sentence to `problem`. */
-static int table_load(Table *table, const TableInfo *info, const char *resources, char *problem, size_t size);
+/* Read a file of this name in the resources, or with a whole path; "" is the table's own. Returns 0 when done, else writes
+   a sentence to `problem`; then, too, what was allocated is to be freed. */
+static int table_load(Table *table, const TableInfo *info, const char *name, const char *resources, char *problem,
+                      size_t size);
 static void table_free(Table *table);
 
 /* A number that depends on every bit of the table, and on the number of the tables before it. */
