@@ -7,6 +7,7 @@ with another table it is another FMU to masters that tell FMUs apart by their GU
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
@@ -16,6 +17,7 @@ from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import entries, open_archive, read_entry
 from navfmu.files.markup import parse
 from navfmu.files.numbers import packed, unpacked
+from navfmu.files.numbers_as_text import columns
 from navfmu.fmi.reading import NAME as DESCRIPTION
 
 FOLDER, SUFFIX = "resources", ".npy"
@@ -44,17 +46,28 @@ def read(files: Mapping[str, bytes], name: str, what: str) -> dict[str, np.ndarr
     return unpacked(files[_file(name)], f"{what}: {_file(name)}")
 
 
-def replaced(files: Mapping[str, bytes], name: str, columns: Mapping[str, np.ndarray], what: str) -> dict[str, bytes]:
-    """Return the files of an FMU with other numbers in one of its tables, which has the same columns as before."""
-    from lxml import etree
-
-    before = read(files, name, what)
-    forms = [[(label, column.ndim) for label, column in of.items()] for of in (columns, before)]
+def like(table: Mapping[str, np.ndarray], data: bytes, source: str) -> dict[str, np.ndarray]:
+    """Return the numbers of a file, .csv or .npy by the name of its ``source``, with the columns of a table."""
+    if source.lower().endswith(SUFFIX):
+        found = unpacked(data, source)
+    else:
+        found = columns(data.decode("utf-8", "replace"), table, source)
+    forms = [[(label, column.ndim) for label, column in of.items()] for of in (found, table)]
     if forms[0] != forms[1]:
         told = (", ".join(f"'{label}'" for label, _ in form) for form in forms)
-        raise NavfmuError("{}: table '{}' would have the columns {}; expected {}".format(what, name, *told))
-    files = {**files, _file(name): packed(columns)}
-    digest = hashlib.sha256(b"".join(files[_file(each)] for each in known(files))).hexdigest()
+        raise NavfmuError("{}: has the columns {}; expected {}".format(source, *told))
+    return found
+
+
+def replaced(files: Mapping[str, bytes], name: str, table: Mapping[str, np.ndarray], what: str) -> dict[str, bytes]:
+    """Return the files of an FMU with these numbers as the table of that name, in the place of another if there is one;
+    ``what`` the files are begins the sentence of what is wrong."""
+    from lxml import etree
+
+    if not re.fullmatch(r"\w[\w.-]*", name):
+        raise NavfmuError(f"{what}: '{name}' cannot be the name of a table; expected letters, digits, '_', '-' and '.'")
+    files = {**files, _file(name): packed(table)}
+    digest = hashlib.sha256(b"".join(each.encode() + files[_file(each)] for each in known(files))).hexdigest()
     root = parse(files[DESCRIPTION], f"{what}: {DESCRIPTION}")
     root.set("guid", f"{root.get('guid').split('.')[0]}.{digest[:16]}")
     files[DESCRIPTION] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")

@@ -103,6 +103,20 @@ def test_a_table_replaced_twice_has_the_guid_of_its_numbers_alone(fmus, tmp_path
     assert guids[0] == guids[1] != guids[2]
 
 
+def test_a_file_for_a_string_parameter_is_made_and_added(fmus, tmp_path):
+    hill, _ = fmus
+    (tmp_path / "p.csv").write_text("time (s),height (m)\n0,5\n1,6\n")
+    wrote(hill, "profile", "--from", tmp_path / "p.csv", "--out", tmp_path / "p.npy")
+    assert np.load(tmp_path / "p.npy")["height (m)"].tolist() == [5.0, 6.0]
+    wrote(hill, "profile", "--from", tmp_path / "p.npy", "--as", "steep", "--out", tmp_path / "more.fmu")
+    with zipfile.ZipFile(hill) as one, zipfile.ZipFile(tmp_path / "more.fmu") as other:
+        assert other.read("resources/profile.npy") == one.read("resources/profile.npy")
+        assert other.read("resources/steep.npy") == (tmp_path / "p.npy").read_bytes()
+    listed = navfmu(tmp_path / "more.fmu").output
+    assert [line.split()[0] for line in listed.splitlines()[1:]] == ["air", "field", "profile", "steep"]
+    fmpy.simulate_fmu(str(tmp_path / "more.fmu"), stop_time=1.0)
+
+
 def test_a_grid_goes_through_a_text(fmus, tmp_path):
     hill, _ = fmus
     wrote(hill, "field", "--out", tmp_path / "field.csv")
@@ -130,8 +144,22 @@ def test_what_cannot_be_done_is_told(fmus, tmp_path):
     refused("has no table 'x'; its tables are: none", bare, "x", "--out", csv)
     refused("which table? Its name is missing", hill, "--out", csv)
     refused("--out is missing, the file to write", hill, "profile")
+    refused("--as b names a file within an FMU", hill, "profile", "--as", "b", "--out", tmp_path / "b.npy")
+    refused("expected .csv or .npy at its end", hill, "profile", "--out", other)
+    wrote(hill, "profile", "--out", tmp_path / "good.csv")
+    refused(
+        "'../b' cannot be the name of a table",
+        hill,
+        "profile",
+        "--from",
+        tmp_path / "good.csv",
+        "--as",
+        "../b",
+        "--out",
+        other,
+    )
     refused("expected .csv or .npy at its end", hill, "profile", "--out", tmp_path / "a.xlsx")
-    refused("expected .fmu at its end", hill, "profile", "--from", csv, "--out", tmp_path / "a.csv")
+    refused("or .fmu at its end", hill, "profile", "--from", csv, "--out", tmp_path / "a.zip")
     refused("a.xlsx: cannot tell the format", hill, "profile", "--from", tmp_path / "a.xlsx", "--out", other)
     refused(
         "none.csv: no such file; expected a table", hill, "profile", "--from", tmp_path / "none.csv", "--out", other
@@ -140,7 +168,7 @@ def test_what_cannot_be_done_is_told(fmus, tmp_path):
     refused("a.csv, line 1: the columns are", hill, "profile", "--from", csv, "--out", other)
     wrote(hill, "air", "--out", tmp_path / "air.npy")
     refused(
-        "table 'profile' would have the columns 'time (s)', 'temperature (K)'; expected 'time (s)', 'height (m)'",
+        "air.npy: has the columns 'time (s)', 'temperature (K)'; expected 'time (s)', 'height (m)'",
         hill, "profile", "--from", tmp_path / "air.npy", "--out", other,
     )  # fmt: skip
     assert not other.exists()

@@ -175,6 +175,22 @@ class Planned(Component):
         self.find()
 
 
+class Terrain(Component):
+    """A grid alone."""
+
+    place = Input(2, "m", description="place")
+    sample_period = Parameter("s", start=0.5, min=1e-3, description="sampling period")
+    ground = Grid(
+        axes=(("north", "m", [0.0, 1.0, 5.0]), ("east", "m", [0.0, 2.0])),
+        surfaces=(("height", "m", [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), ("slope", "1", np.ones((3, 2)))),
+    )
+    height = Output("m", description="height")
+
+    @every("sample_period")
+    def look(self):
+        self.height = self.ground.around(north=self.place[0], east=self.place[1]).bilinear()[0]
+
+
 class TwoRates(Component):
     """Two clocks, with tasks that see each other's results in the order of their declaration."""
 
