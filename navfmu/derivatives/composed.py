@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial, reduce
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,14 @@ def composed(*keys: Any) -> Callable:
     """Register what a function of NumPy consists of, written with functions that have derivatives."""
 
     def register(function: Callable) -> Callable:
+        known = signature(function).parameters
+        takes_all = any(one.kind is one.VAR_KEYWORD for one in known.values())
+
         def rule(call: Callable, level: int, *args: Any, **kwargs: Any) -> Any:
+            kwargs = {key: one for key, one in kwargs.items() if one is not np._NoValue}
+            for key in kwargs:
+                if key not in known and not takes_all:
+                    refuse(f"np.{call.__name__}(..., {key}=...) has no derivative", "write it out, or use np.where")
             value = call(*values(args, level), **{key: values(one, level) for key, one in kwargs.items()})
             result = function(*args, **kwargs)
             return dual(value, result.slopes, level) if isinstance(result, Dual) and result.level == level else value
@@ -171,7 +179,7 @@ def _mean(a: Any, axis: Any = None, dtype: Any = None, out: Any = None, keepdims
 
 
 @composed(np.var)
-def _var(a: Any, axis: Any = None, *args: Any, ddof: Any = 0, keepdims: Any = False, **kwargs: Any) -> Any:
+def _var(a: Any, axis: Any = None, dtype: Any = None, out: None = None, ddof: Any = 0, keepdims: Any = False) -> Any:
     apart = a - np.mean(a, axis, keepdims=True)
     count = math.prod(a.shape[i] for i in _axes(a, axis))
     return np.sum(apart * apart, axis, keepdims=_given(keepdims)) / (count - ddof)

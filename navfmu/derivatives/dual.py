@@ -264,6 +264,12 @@ def _without_slopes(one: Dual) -> Any:
     return one if one.slopes.entries.size else replaced(_without_slopes, one.value)
 
 
+def _named(function: Callable) -> str:
+    """The name of a function of NumPy as one writes it."""
+    name = f"{getattr(function, '__module__', 'numpy')}.{function.__name__}"
+    return name.replace("numpy", "np", 1).replace("np._core.umath", "np")
+
+
 def _call(function: Callable, method: str | None, args: tuple, kwargs: dict) -> Any:
     """Return what a call of NumPy gives, with its derivatives; Duals that depend on nothing are their values."""
     call = getattr(function, method) if method else function
@@ -275,11 +281,13 @@ def _call(function: Callable, method: str | None, args: tuple, kwargs: dict) -> 
     if not given:
         return call(*args, **kwargs)
     key = (function, method) if method else function
+    if kwargs.get("out") is not None:
+        refuse(f"{_named(function)}(..., out=...) has no derivative", "assign the result to a name, or to x[...]")
+    if isinstance(function, np.ufunc) and kwargs.get("where", True) is not True and method is None:
+        refuse(f"{_named(function)}(..., where=...) has no derivative", "use np.where")
     if key not in RULES:
-        name = f"{getattr(function, '__module__', 'numpy')}.{function.__name__}".replace("numpy", "np", 1)
-        name = name.replace("np._core.umath", "np") + (f".{method}" if method else "")
         remedy = _REMEDIES.get(function.__name__, "write it with the functions that have one (see the tutorial)")
-        refuse(f"{name} has no derivative", remedy)
+        refuse(f"{_named(function)}{f'.{method}' if method else ''} has no derivative", remedy)
     return RULES[key](call, max(one.level for one in given), *args, **kwargs)
 
 
