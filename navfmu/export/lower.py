@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from navfmu.derivatives.dual import Dual
 from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
@@ -52,7 +53,7 @@ class TraceFrame(Frame):
         return array
 
     def look_up(self, table: Numbers, key: int, values: Sequence[Any]) -> Any:
-        points = np.broadcast_arrays(*(np.asarray(value) for value in values))
+        points = np.broadcast_arrays(*(np.asarray(_without_derivatives(value)) for value in values))
         found = [self._look_up(table, key, point) for point in zip(*(p.ravel().tolist() for p in points), strict=True)]
         return np.stack(found).reshape(*points[0].shape, table.width)
 
@@ -83,6 +84,13 @@ class TraceFrame(Frame):
                     targets.append(field.index + i)
                     values.append(value)
         return tuple(targets), tuple(values)
+
+
+def _without_derivatives(value: Any) -> Any:
+    """Return the value alone: between two rows what is found does not change."""
+    while isinstance(value, Dual):
+        value = value.value
+    return value
 
 
 def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: Any) -> Any:

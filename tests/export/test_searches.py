@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
+from navfmu.derivatives import jacobian
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Grid, Input, Output, Parameter, Table, every, require
 from navfmu.export.build import build
@@ -252,6 +253,52 @@ def test_searches_in_a_task_whose_arrays_are_kept_whole(tmp_path):
         np.testing.assert_array_equal(np.reshape(native.get("rows"), (12, 8)), floats.get("rows"))
         # the products of 40 terms are summed in another order by NumPy
         np.testing.assert_allclose(native.get("rest"), floats.get("rest"), rtol=1e-13)
+    native.free()
+
+
+class Slopes(Component):
+    """Slopes of what is interpolated, as a filter that navigates by terrain needs them."""
+
+    x = Input(2, "m", description="where")
+    sample_period = Parameter("s", start=1.0, description="period")
+    profile = Table(columns=(("x", "m"), ("z", "m")), rows=[[0, 1], [2, 5], [3, 4]])
+    ground = Grid(
+        axes=(("north", "m", [0.0, 1.0, 3.0]), ("east", "m", [0.0, 2.0])),
+        surfaces=(("z", "m", [[1.0, 2.0], [4.0, 8.0], [3.0, 3.0]]),),
+    )
+    along = Output(2, "1", description="of the profile at x[0] x[1]")
+    across = Output(2, "1", description="of the ground")
+    curved = Output((2, 2), "1/m", description="of the slope of the ground")
+
+    def height(self, x):
+        return self.ground.around(north=x[0], east=x[1]).bilinear()[0]
+
+    @every("sample_period")
+    def look(self):
+        self.along = jacobian(lambda x: self.profile.around(x=x[0] * x[1]).linear()[1], self.x)
+        self.across = jacobian(self.height, self.x)
+        self.curved = jacobian(lambda x: jacobian(self.height, x), self.x)
+
+
+def test_derivatives_of_what_is_interpolated(tmp_path):
+    """Slopes of a profile, and of b + c u + d v + e u v in closed form; outside, where the edge is held, they are 0."""
+    (file,) = build([Slopes], tmp_path, pictures=False)
+    native, floats = Slave(Unzipped(file, tmp_path / "unzipped")), Interpreter(Slopes)
+    native.initialise()
+    floats.setup()
+    expected = {
+        (0.5, 0.6): ([0.6 * 2.0, 0.5 * 2.0], [3.0 + 3.0 * 0.3, 0.5 + 1.5 * 0.5], 1.5),
+        (2.0, 1.2): ([1.2 * -1.0, 2.0 * -1.0], [-0.5 - 2.0 * 0.6, 2.0 - 2.0 * 0.5], -1.0),
+        (9.0, 1.0): ([0.0, 0.0], [0.0, 0.0], 0.0),
+    }
+    for k, (x, (along, across, twist)) in enumerate(expected.items()):
+        for run in (native, floats):
+            run.set("x", list(x))
+        native.step(float(k), 1.0)
+        floats.do_step(float(k), 1.0)
+        for name, wanted in (("along", along), ("across", across), ("curved", [0.0, twist, twist, 0.0])):
+            np.testing.assert_allclose(native.get(name), wanted, rtol=0, atol=1e-14)
+            np.testing.assert_array_equal(native.get(name), np.ravel(floats.get(name)))
     native.free()
 
 
