@@ -25,7 +25,9 @@ _BESIDE = [
     file
     for pattern in (
         "errors.py",
+        "place.py",
         "derivatives/*.py",
+        "repetition/*.py",
         "files/archive.py",
         "files/characters.py",
         "fmi/description.py",

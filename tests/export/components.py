@@ -275,7 +275,7 @@ class Ticking(Component):
 
     period_ = Parameter("s", start=0.25, max=100, tunable=True, description="period")
     phase = Parameter("s", start=0.0, max=50, description="time of the first tick")
-    steady = Parameter("s", start=0.5, description="period of the other clock")
+    steady = Parameter("s", start=0.5, min=1e-3, description="period of the other clock")
     ticks = Output(kind="integer", description="number of ticks")
     times = Output(MOST, "s", start=-1.0, description="times of the ticks")
     periods = Output(MOST, "s", start=-1.0, description="periods that they were told")
@@ -309,7 +309,7 @@ class Modes(Component):
     command = Input(kind="enumeration", items=("off", "hold", "go on"), start="hold", description="what to do")
     stride = Parameter(kind="integer", start=1, min=-9, max=9, tunable=True, description="how far the mode goes")
     first = Parameter(kind="enumeration", items=Lock, start=Lock.TRACK, description="mode at the start")
-    sample_period = Parameter("s", start=0.1, description="sampling period")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
     mode = Output(kind="enumeration", items=Lock, description="mode")
     history = Output(2, kind="enumeration", items=Lock, start=("MEMORY", 1), description="modes before it")
     seen = Output("1", start=-1.0, description="0 in search, 1 in track, 0.5 in memory")
@@ -333,7 +333,7 @@ class Named(Component):
     station = Parameter(kind="string", start="TUL", longest=8, description="name of the station")
     others = Parameter(3, kind="string", start=("", "a b", "Zürich"), description="names of others")
     gain = Parameter("1", start=1.0, min=0.0, max=2.0, description="gain")
-    sample_period = Parameter("s", start=0.1, description="sampling period")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
     begun = Output("1", description="an output that the start task calculates")
     y = Output("m", description="output")
 
@@ -356,7 +356,7 @@ class Iterating(Component):
 
     u = Input(3, "m2", start=(1.0, 4.0, 9.0), description="squares")
     iterations = Parameter(kind="integer", start=4, min=0, max=8, tunable=True, description="steps of the method")
-    sample_period = Parameter("s", start=0.1, description="sampling period")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
     root = Output(3, "m", description="roots")
     steps = Output(kind="integer", description="steps that were made")
 
