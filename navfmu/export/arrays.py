@@ -18,7 +18,7 @@ not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,6 +109,19 @@ class Routine:
     numbers: tuple[int, ...] = ()
     before: tuple[str, ...] = ()
     values: frozenset[int] = frozenset()
+
+
+def tables_searched(results: Iterable[Node]) -> set[int]:
+    """Return the numbers of the tables in which something is looked up."""
+    found: set[int] = set()
+    for node in in_order(results):
+        how = node.how if isinstance(node, Array) else None
+        if isinstance(how, Routine) and "tables" in how.before:
+            found.add(how.numbers[0])
+        call = how.call if isinstance(how, Repeat) else how
+        if isinstance(call, Call):
+            found |= tables_searched(call.results)
+    return found
 
 
 def elements(array: Array, kind: str, size: int | None = None, first: int = 0) -> list[Scalar]:

@@ -9,6 +9,7 @@ from xml.sax.saxutils import quoteattr
 from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir, life
+from navfmu.export.arrays import tables_searched
 from navfmu.export.codegen import clocks, continuous_inputs
 from navfmu.export.graph import elements_used
 from navfmu.fmi.units import BASE
@@ -123,17 +124,20 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
     """Return the outputs calculated in initialisation, each with the variables that it depends on (indices in v).
 
     These are all that can be set then: inputs, parameters, states and outputs with a start value, and where random
-    numbers are drawn, their seed and stream.
+    numbers are drawn, their seed and stream; where a table is searched, the string that names its file.
     """
     known = {i for v in model.variables if v.causality == "input" or v.initial == "exact" for i in v.indices}
     depends = {e.index: {e.index} & known for e in model.elements}
+    strings = [e.index for e in model.elements if e.variable.type == "String"]
     for task in model.tasks:
         if task.kind != "start":
             continue
         found = []
-        for used, drawn in zip(elements_used(task.values, "v"), elements_used(task.values, "noise"), strict=True):
+        every_used = elements_used(task.values, "v"), elements_used(task.values, "noise")
+        for value, used, drawn in zip(task.values, *every_used, strict=True):
             seeds = {model.seed, model.stream} if drawn else set()
-            found.append(set().union(*(depends[i] for i in used | seeds)))
+            texts = {model.tables[i].text for i in tables_searched([value])} - {None}
+            found.append(set().union(*(depends[i] for i in used | seeds | {strings[text] for text in texts})))
         depends.update(zip(task.targets, found, strict=True))
     if model.through:
         seed = set() if model.seed is None else {model.seed}

@@ -10,7 +10,9 @@ from fmpy.validation import validate_fmu
 
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, Table, every
+from navfmu.export.description import initial_unknowns
 from navfmu.export.interpreter import Interpreter
+from navfmu.export.lower import lower
 from navfmu.export.twin import build_twin
 
 from .components import Planned
@@ -215,3 +217,10 @@ def test_a_file_is_named_by_a_string_of_the_component():
         with pytest.raises(NavfmuError) as caught:
             declared(file=file)
         assert f"the file of 'plan' is named by '{file}', which is no string Parameter{hint}" in str(caught.value)
+
+
+def test_what_is_found_at_the_start_depends_on_the_name_of_the_file():
+    """Each value on the names of its own tables: catches none, and all of them for every value."""
+    model = lower(Planned)
+    found = {model.elements[i].name: {model.elements[j].name for j in of} for i, of in initial_unknowns(model)}
+    assert found == {"x": {"plan_file"}, "z": {"plan_file", "field_file"}, "first": {"plan_file"}}
