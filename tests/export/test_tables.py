@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from navfmu.errors import NavfmuError
-from navfmu.export import Table
+from navfmu.export import Component, Output, Parameter, Table, every
+from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
 
 from .components import Rows
@@ -134,6 +135,34 @@ def test_a_wrong_table_is_refused_and_what_is_wrong_told(source, wrong):
     assert sentence in said
     assert "track.npy" in said
     assert "100%%25" not in said and "100%%" in said  # a percent sign is doubled for hosts that print like printf
+
+
+@pytest.mark.filterwarnings("ignore:Stored array in format 3.0")
+@pytest.mark.parametrize("letters", ["höhe", "α_L"])
+def test_columns_may_have_names_in_any_letters(letters, tmp_path):
+    """NumPy writes the first in Latin-1, the second in UTF-8; the bytes of both are negative where char has a sign."""
+
+    class Lettered(Component):
+        """Lettered."""
+
+        sample_period = Parameter("s", start=1.0, description="period")
+        table = Table(columns=(("time", "s"), (letters, "m")), rows=[[0.0, 1.0], [1.0, 2.0]])
+        x = Output("m", description="x")
+
+        @every("sample_period")
+        def step(self):
+            self.x = self.table.next_row[1]
+
+    (file,) = build([Lettered], tmp_path, pictures=False)
+    fmu = Unzipped(file, tmp_path / "unzipped")
+    slave = Slave(fmu)
+    slave.initialise()
+    assert slave.step(0.0, 1.0) == OK and slave.get("x") == 2.0
+    slave.free()
+    hold(fmu, saved([[0, 1], [1, np.nan]], ("time (s)", f"{letters} (m)"), version=None), "table")
+    assert f"number 2 of 2 in '{letters} (m)' is nan" in Slave(fmu).said
+    hold(fmu, saved([[0, 1], [1, 1]], ("time (s)", f"{letters[::-1]} (m)")), "table")
+    assert "has the header" in Slave(fmu).said
 
 
 @pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])

@@ -81,7 +81,7 @@ static FILE *open_file(const char *path) {
 static int fits(const char *header, size_t length, const char *model_header, int *sizes) {
     const char *end = header + length;
     for (const char *c = model_header; *c; c++) {
-        if (*c > 2) {
+        if ((unsigned char)*c > 2) {
             if (header == end || *header++ != *c) return 0;
             continue;
         }
