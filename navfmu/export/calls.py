@@ -19,7 +19,7 @@ import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export import arrays
-from navfmu.export.extent import MOST_CALLED, TooLong, current, shortest
+from navfmu.export.extent import FEWER, TooLong, current, shortest
 from navfmu.export.graph import Array, Node, element
 from navfmu.export.graph import number as constant
 from navfmu.export.rules import Scalar, expression
@@ -125,7 +125,7 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
         return [node for leaf in leaves for node in expressions(leaf)], result
 
     try:
-        (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, MOST_CALLED)
+        (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, FEWER)
     except (_NoCall, NavfmuError, TooLong, TypeError, ValueError, IndexError, KeyError, ArithmeticError):
         return None
     if not used.calls and used.operations < _FEW:

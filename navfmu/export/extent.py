@@ -16,9 +16,10 @@ from typing import Any
 from navfmu.errors import NavfmuError
 
 #: Operations on single numbers that a task is traced with before its arrays are kept whole.
-MOST = 6_000
-#: The same for a function that is called.
-MOST_CALLED = 3_000
+MOST = 13_000
+#: The same for a function that is called, and for a task once it has an array of VAST elements.
+FEWER = 3_000
+VAST = 512
 #: Arrays with so many elements are kept whole even then, and products with four times as many terms.
 LARGE = 256
 #: Arrays with fewer elements never are.
@@ -41,6 +42,11 @@ class Extent:
     operations: int = 0
     packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
     functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
+
+    def meet(self, size: int) -> None:
+        """An array of that size is read or made."""
+        if size >= VAST and not self.calls:
+            self.most = min(self.most, FEWER)
 
     def count(self) -> None:
         """One more operation on single numbers."""

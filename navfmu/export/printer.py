@@ -81,8 +81,8 @@ def c_number(value: float) -> str:
     return f"(-{text})" if math.copysign(1.0, value) < 0 else text
 
 
-def _plus(text: str, place: int) -> str:
-    return f"{text} + {place}" if place else text
+def _plus(text: str, place: int | str) -> str:
+    return text if str(place) == "0" else f"{text} + {place}"
 
 
 def _operation(node: Node, texts: Mapping[Node, str], truths: Container[str]) -> str:
@@ -382,7 +382,7 @@ class _Body:
             begin = "" if how.first is None else f"{c_number(how.first)} + "
             self.statements += [
                 f"    for (int i = 0; i < {how.rows}; i++)",
-                f"        {name}[i] = {begin}sum({vector if row == '0' else f'{vector} + {row}'}, {how.length}, {along});",
+                f"        {name}[i] = {begin}sum({_plus(vector, row)}, {how.length}, {along});",
             ]
             return
         first = c_number(how.first) if how.first is not None else f"{vector}[{row}]"

@@ -110,6 +110,7 @@ def is_kept_whole(size: int, *columns: list) -> bool:
     numbers from many places costs more than a loop saves.
     """
     extent = current()
+    extent.meet(size)
     return size >= extent.whole and (extent.calls or all(arrays.lies_together(column) for column in columns))
 
 
