@@ -74,9 +74,9 @@ class Native:
         field = self.fields[name]
         numbers = np.ravel(np.broadcast_to(np.asarray(value, float), field.shape))
         references = list(range(field.index, field.index + field.size))
-        if field.kind == "real":
+        if field.type == "Real":
             fmu.setReal(references, numbers.tolist())
-        elif field.kind == "integer":
+        elif field.type == "Integer":
             fmu.setInteger(references, [int(x) for x in numbers])
         else:
             fmu.setBoolean(references, [bool(x) for x in numbers])
