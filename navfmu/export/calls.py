@@ -110,6 +110,7 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
 
         def parameter(given: _Given, _: int) -> Any:
             vector = symbols(f"p{next(serial)}", given.kind * math.prod(given.shape))
+            current().meet(vector.size)
             if given.lone:
                 return vector.view(np.ndarray)[0]
             vector = vector.reshape(given.shape)

@@ -14,7 +14,7 @@ from navfmu.derivatives.dual import Dual
 from navfmu.errors import NavfmuError
 from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
-from navfmu.export.extent import MOST, shortest
+from navfmu.export.extent import MOST, current, shortest
 from navfmu.export.frame import Frame
 from navfmu.export.graph import Node, elements_used
 from navfmu.export.interpreter import variables
@@ -37,6 +37,7 @@ class TraceFrame(Frame):
         self.normals = 0
 
     def load(self, variable: ir.Variable) -> Any:
+        current().meet(variable.size)
         array = self.symbols[variable.index : variable.index + variable.size].reshape(variable.shape)
         array.setflags(write=False)
         return array
