@@ -7,11 +7,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from navfmu import System
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, every
+from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.noise import Normals
 from navfmu.export.twin import build_twin
+from navfmu.faults import Fault
+from navfmu.ssp.writer import SystemSource
 
 from .components import MOST, Ticking
 from .slave import ERROR, OK, Slave, Unzipped
@@ -258,3 +262,16 @@ def test_what_cannot_be_a_clock_is_refused_with_a_sentence():
         declare(every("sample_period", offset="phase"), phase=Parameter("s", tunable=True))
     with pytest.raises(NavfmuError, match="the period 'length' is in m, expected a Parameter in s"):
         declare(every("length"), length=Parameter("m"))
+
+
+@pytest.mark.parametrize("engine", ["compiled", "reference"])
+def test_a_fault_tunes_a_period_and_gives_it_back(engine, tmp_path):
+    """In a system: one tick each 0.25 s, from 1 s to 2 s each 0.125 s, counted from the tick at 1 s, then as before."""
+    build([Ticking], tmp_path, pictures=False)
+    source = SystemSource("ticking", fmus=tmp_path, stop_time=3.0, step=0.25).component("a", "ticking.fmu")
+    system = System.load(source.pack(tmp_path / "ticking.ssp"))
+    fault = Fault("fast", "a.period_", "parameter", value=0.125, start=1.0, duration=1.0)
+    result = system.run(faults=[fault], engine=engine, record=["a.ticks", "a.times"])
+    assert list(result["a.ticks"]) == [0, 1, 2, 3, 4, 6, 8, 10, 12, 13, 14, 15, 16]
+    times = [result[f"a.times[{k}]"].iloc[-1] for k in range(1, 17)]
+    assert times == [0.25, 0.5, 0.75, 1.0, *np.arange(1.125, 2.01, 0.125), 2.25, 2.5, 2.75, 3.0]

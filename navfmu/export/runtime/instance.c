@@ -266,9 +266,8 @@ static double rounding_of(double start, double end) {
     return 4 * DBL_EPSILON * fmax(fabs(start), fabs(end));
 }
 
-/* When the next tick comes, in seconds since the start. */
-static double due_time(const Clock *clock) {
-    return clock->origin + (double)(clock->ticks + 1 - clock->first) * clock->period;
+static void set_due(Clock *clock) {
+    clock->due = clock->origin + (double)(clock->ticks + 1 - clock->first) * clock->period;
 }
 
 /* There is no tick at the start itself: the first one comes at the offset, or where that is 0 one period later. */
@@ -276,7 +275,8 @@ static void start_clocks(Instance *self) {
     for (int c = 0; c < model.clock_count; c++) {
         const ClockInfo *info = &model.clocks[c];
         const double offset = info->offset < 0 ? 0.0 : self->v[info->offset];
-        self->clocks[c] = (Clock){offset > 0 ? -1 : 0, 0, offset, self->v[info->period]};
+        self->clocks[c] = (Clock){offset > 0 ? -1 : 0, 0, offset, self->v[info->period], 0.0};
+        set_due(&self->clocks[c]);
     }
 }
 
@@ -289,6 +289,7 @@ SELDOM static void retime(Clock *clock, double period, double now) {
         clock->first = clock->ticks + late;
     }
     clock->period = period;
+    set_due(clock);
 }
 
 static inline void heed_periods(Instance *self) {
@@ -344,9 +345,10 @@ static int tick(Instance *self, double elapsed, double tolerance) {
     const double time = self->state->start + elapsed;
     uint64_t due = 0;
     for (int c = 0; c < model.clock_count; c++) {
-        if (due_time(&self->clocks[c]) <= elapsed + tolerance) {
+        if (self->clocks[c].due <= elapsed + tolerance) {
             due |= (uint64_t)1 << c;
             self->clocks[c].ticks++;
+            set_due(&self->clocks[c]);
         }
     }
     for (int i = 0; i < model.task_count; i++) {
@@ -369,9 +371,9 @@ static int advance(Instance *self, double h, double end) {
     while (model.clock_count && !failed) {
         const Clock *first = self->clocks;
         for (const Clock *clock = first + 1; clock < self->clocks + model.clock_count; clock++) {
-            if (due_time(clock) < due_time(first)) first = clock;
+            if (clock->due < first->due) first = clock;
         }
-        const double due = due_time(first);
+        const double due = first->due;
         const double tolerance = 1e-9 * first->period + rounding;
         if (!(due <= self->state->elapsed + tolerance)) break;
         if (self->state->slopes_set) {

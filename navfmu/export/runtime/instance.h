@@ -36,6 +36,7 @@ typedef struct {
     int64_t first;  /* of the one whose time is */
     double origin;
     double period;  /* that holds from there on */
+    double due;     /* when the next tick comes, in seconds since the start */
 } Clock;
 
 typedef struct Instance Instance;
