@@ -23,6 +23,8 @@ _MAKING = ("array", "asarray", "asanyarray", "ascontiguousarray", "full_like", "
 _EMPTY = ("zeros", "ones", "eye", "identity", "empty")
 # NumPy asks no list how to reduce it: these take a list of traced values as the array that it stands for.
 _REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
+#: The functions of NumPy that make arrays, and traced ones while tracing.
+MAKES = (*_MAKING, *_EMPTY)
 _ORIGINALS = {name: getattr(np, name) for name in (*_MAKING, *_EMPTY, *_REDUCING)}
 
 
