@@ -412,10 +412,12 @@ class Interpreter:
         for table in self.layout.tables:
             number = self.layout.text_of_file(table)
             if number is not None:
-                path = self.resources / texts[number]
+                file = texts[number]
+                if file.startswith("/") or re.search(r"[\\:]|\.\.", file):
+                    self._refuse("ELSEWHERE", file)
                 known = self.tables.get(table.name)
-                read = known if known and known.place == str(path) else None
-                found[table.name] = read or (table.read(path) if texts[number] else table)
+                read = known if known and known.place == str(self.resources / file) else None
+                found[table.name] = read or (table.read(self.resources / file) if file else table)
         return found
 
     def _preview(self) -> None:

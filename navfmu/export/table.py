@@ -19,8 +19,8 @@ class Table(Numbers):
     several; it is the first one if nothing is said. A key increases from row to row. Where the first column is a time
     in s, ``self.<name>.row`` and ``.next_row`` are the rows around ``self.time``.
 
-    ``file`` names a string Parameter that has the name of a file, in the resources or with a whole path, which is read
-    instead of these rows when initialisation ends; where the text is empty the rows are these.
+    ``file`` names a string Parameter that has the name of a file in the resources, which is read instead of these rows
+    when initialisation ends; where the text is empty the rows are these.
 
     Below the first row the first two rows are found; above the last row, and for NaN, the last two: interpolation must
     clip its fraction to stay at the ends, as :meth:`Around.linear` does.

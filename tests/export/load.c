@@ -1,14 +1,15 @@
-/* Reads each file that is named as the first table of one FMU, linked in, and tells how many were taken. */
+/* Reads the files 0.npy, 1.npy ... of a folder as the first table of one FMU, linked in; tells how many were taken. */
 #include <stdio.h>
 
 #include "fmu.c"
 
 int main(int argc, char **argv) {
     int taken = 0;
-    for (int i = 1; i < argc; i++) {
+    for (int i = 0; argc == 3 && i < atoi(argv[2]); i++) {
         Table table = {0};
-        char problem[900];
-        if (table_load(&table, &model.tables[0], argv[i], NULL, problem, sizeof problem) == 0) {
+        char problem[900], name[32];
+        snprintf(name, sizeof name, "%d.npy", i);
+        if (table_load(&table, &model.tables[0], name, argv[1], problem, sizeof problem) == 0) {
             double out[64];
             for (int k = -2; k <= table.sizes[0]; k++) {
                 if (table.info->grid) table_corners(&table, 0, k + 2, table.info->columns - 2, k, 0.5 * k, out);

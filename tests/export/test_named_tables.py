@@ -1,6 +1,5 @@
 """Tables whose files are named by string parameters: read when initialisation ends, kept apart in saved states."""
 
-import shutil
 import zipfile
 
 import fmpy
@@ -50,15 +49,14 @@ def test_an_empty_name_is_the_table_itself(planned):
     slave.free()
 
 
-@pytest.mark.parametrize("whole", [False, True])
-def test_a_file_that_is_named_is_read_instead_with_a_grid_of_another_size(planned, tmp_path, whole):
+@pytest.mark.parametrize("name", ["other.npy", "plans/ö 1.npy"])
+def test_a_file_that_is_named_is_read_instead_with_a_grid_of_another_size(planned, name):
     """Constants that were found in the old file and kept would show in `first`."""
-    place = tmp_path / "elsewhere é"
-    if whole:
-        place.mkdir()
-        shutil.copy(planned.folder / "resources" / "other.npy", place)
+    file = planned.folder / "resources" / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(OTHER)
     slave = Slave(planned)
-    assert slave.set("plan_file", str(place / "other.npy") if whole else "other.npy") == OK
+    assert slave.set("plan_file", name) == OK
     assert slave.set("field_file", "plane.npy") == OK
     assert slave.initialise() == OK
     assert flown(slave) == [[5.0, 1.5, 5.0], [6.0, 1.6, 5.0]]
@@ -109,16 +107,24 @@ def test_a_requirement_sees_the_table_that_is_named(planned):
         run.setup()
 
 
+OUTSIDE = "' is not in the resources; expected the name of a file there."
 WRONG = {
     "none.npy": ("none.npy cannot be read.", "none.npy: no such file; expected a table"),
     "bad.npy": ("number 2 of 2 in 'time (s)', 0, is not greater", "bad.npy: Table is searched by 'time'"),
     "plane.npy": ("has the header", "has the columns x (m), y (m), z (m); expected time (s), x (m)"),
-    "../resources": ("cannot be read.", "is a folder, expected a table"),
+    "plans": ("plans cannot be read.", "is a folder, expected a table"),
+    "../resources/other.npy": (OUTSIDE, OUTSIDE),
+    "a/../other.npy": (OUTSIDE, OUTSIDE),
+    "/tmp/other.npy": (OUTSIDE, OUTSIDE),
+    "C:other.npy": (OUTSIDE, OUTSIDE),
+    "\\\\server\\other.npy": (OUTSIDE, OUTSIDE),
 }
 
 
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_file_is_told_and_another_can_be_named(planned, name):
+    """A file elsewhere is no part of the FMU: what it holds is not in the key under which results are kept."""
+    (planned.folder / "resources" / "plans").mkdir()
     native, floats = WRONG[name]
     slave = Slave(planned)
     slave.set("plan_file", name)

@@ -71,6 +71,10 @@ static size_t lay_out(Instance *self, char *base) {
 /* Read the table with this name, which is that of a file. Returns 0, or 1 after reporting why not. */
 static int load_table(Instance *self, Table *table, int i, const char *name) {
     char problem[900];
+    if (!table_is_within(name)) {
+        instance_say(self, SAY_ELSEWHERE, name);
+        return 1;
+    }
     if (table_load(table, &model.tables[i], name, self->resources, problem, sizeof problem) == 0) return 0;
     instance_say(self, ERROR, "%s", problem);
     return 1;

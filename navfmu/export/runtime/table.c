@@ -26,17 +26,13 @@ static int starts_with(const char *text, const char *lower) {
     return 1;
 }
 
-static int is_whole_path(const char *path) {
-#ifdef _WIN32
-    if (path[0] == '\\' || (path[0] && path[1] == ':')) return 1;
-#endif
-    return path[0] == '/';
+static int table_is_within(const char *name) {
+    return name[0] != '/' && !strpbrk(name, "\\:") && !strstr(name, "..");
 }
 
 /* fmuResourceLocation is a URI (file:///dir, file:/dir, file://localhost/dir, file://server/dir); plain paths, which
    some hosts pass, are taken as they are. Returns a new string, or NULL. */
 static char *path_from_uri(const char *uri, const char *file) {
-    if (is_whole_path(file)) uri = "";
     int is_uri = starts_with(uri, "file:");
     if (is_uri) {
         uri += 5;
@@ -224,7 +220,7 @@ static int table_load(Table *table, const TableInfo *info, const char *name, con
                       size_t size) {
     const char *called = *name ? name : info->file;
     table->info = info;
-    if ((!resources || !*resources) && !is_whole_path(called)) {
+    if (!resources || !*resources) {
         snprintf(problem, size, "No fmuResourceLocation was given, but this FMU reads the table resources/%s.", called);
         return 1;
     }

@@ -21,8 +21,12 @@ struct Table {
     int64_t last[SEARCHES][2]; /* where searches have ended (on either axis): saves time, decides nothing */
 };
 
-/* Read a file of this name in the resources, or with a whole path; "" is the table's own. Returns 0 when done, else writes
-   a sentence to `problem`; then, too, what was allocated is to be freed. */
+/* Whether it is the name of a file in the resources. What lies elsewhere is no part of the FMU, and could change without
+   anybody's knowing. */
+static int table_is_within(const char *name);
+
+/* Read the file of this name in the resources; "" is the table's own. Returns 0 when done, else writes a sentence to
+   `problem`; then, too, what was allocated is to be freed. */
 static int table_load(Table *table, const TableInfo *info, const char *name, const char *resources, char *problem,
                       size_t size);
 static void table_free(Table *table);
