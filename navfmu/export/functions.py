@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.export import linear, order
-from navfmu.export.products import product, tensordot
+from navfmu.export.products import cross, einsum, kron, product, tensordot
 from navfmu.export.rules import Scalar, refuse, where
 from navfmu.export.traced import (
     Traced,
@@ -161,6 +161,10 @@ FUNCTIONS: dict[Callable, Callable] = {
     np.dot: lambda a, b, out=None: product(np.dot, a, b),
     np.inner: lambda a, b: product(np.inner, a, b),
     np.tensordot: tensordot,
+    np.einsum: einsum,
+    np.kron: kron,
+    np.cross: cross,
+    np.linalg.cross: lambda x1, x2, /, *, axis=-1: cross(x1, x2, axis=axis),
     np.vdot: lambda a, b: np.dot(np.ravel(a), np.ravel(b)),
     np.outer: lambda a, b, out=None: np.multiply.outer(np.ravel(a), np.ravel(b)),
     np.linalg.outer: lambda a, b: np.multiply.outer(np.ravel(a), np.ravel(b)),
@@ -179,11 +183,11 @@ FUNCTIONS: dict[Callable, Callable] = {
 
 # NumPy's own implementation of these only moves elements about, or calls ufuncs.
 _STRUCTURAL = """
-concatenate stack vstack hstack dstack column_stack block cross einsum kron diag diagonal
+concatenate stack vstack hstack dstack column_stack block diag diagonal
 diagflat trace transpose reshape ravel squeeze expand_dims broadcast_to broadcast_arrays tile repeat flip fliplr
 flipud atleast_1d atleast_2d atleast_3d triu tril copy moveaxis swapaxes rollaxis rot90 append take split array_split
 hsplit vsplit delete diff sum prod cumsum cumprod max min amax amin any all round around polyval
-linalg.multi_dot linalg.matrix_power linalg.cross linalg.trace linalg.diagonal linalg.matrix_transpose
+linalg.multi_dot linalg.matrix_power linalg.trace linalg.diagonal linalg.matrix_transpose
 linalg.matmul linalg.tensordot matrix_transpose
 """.split()
 STRUCTURAL: set[Callable] = set()

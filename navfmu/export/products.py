@@ -1,4 +1,4 @@
-"""Products of traced matrices."""
+"""Products of traced arrays: of matrices, along any axes, of vectors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from navfmu.export import arrays
 from navfmu.export.extent import current
 from navfmu.export.rules import add, is_whole, refuse
-from navfmu.export.traced import Traced, as_numbers, built, filled, is_kept_whole, objects, type_of
+from navfmu.export.traced import Traced, as_numbers, built, filled, is_kept_whole, objects, type_of, wrapped
 
 
 def product(function: Callable, a: Any, b: Any) -> Any:
@@ -73,3 +73,58 @@ def tensordot(a: Any, b: Any, axes: Any = 2) -> Any:
     shape = first.shape[: len(kept[0])] + second.shape[len(theirs) :]
     inner = math.prod(first.shape[len(kept[0]) :])
     return np.dot(first.reshape(-1, inner), second.reshape(inner, -1)).reshape(shape)
+
+
+def einsum(subscripts: Any, *operands: Any, **options: Any) -> Any:
+    """Sums of products as the subscripts say: they begin at 0.0 and go through the summed letters in their order."""
+    if not isinstance(subscripts, str) or "." in subscripts:
+        return wrapped(np.einsum._implementation(subscripts, *operands, **options))
+    given, arrow, result = subscripts.replace(" ", "").partition("->")
+    letters = given.split(",")
+    if not arrow:
+        result = "".join(sorted(x for x in set(given) - {","} if given.count(x) == 1))
+    summed = "".join(dict.fromkeys(x for x in given if x not in {",", *result}))
+    factors = [_along(x, own, result + summed) for x, own in zip(operands, letters, strict=True)]
+    total = factors[0]
+    for factor in factors[1:]:
+        total = total * factor
+    sizes = {x: n for own, one in zip(letters, operands, strict=True) for x, n in zip(own, np.shape(one), strict=True)}
+    total = np.broadcast_to(total, [sizes[x] for x in result + summed])
+    if not summed:
+        return total * 1 if len(factors) == 1 else total
+    shape = np.shape(total)[: len(result)]
+    rows = np.moveaxis(np.reshape(total, (*shape, math.prod(np.shape(total)[len(result) :]), 1)), -2, 0)
+    return np.reshape(np.sum(rows, axis=0), shape)  # not the axis that lies side by side: one term after the other
+
+
+def _along(x: Any, own: str, letters: str) -> Any:
+    """Return an array with an axis for each of the letters, of length 1 for those that it has not."""
+    for letter in dict.fromkeys(own):
+        while own.count(letter) > 1:
+            first = own.index(letter)
+            second = own.index(letter, first + 1)
+            x = np.diagonal(x, axis1=first, axis2=second)
+            own = own[:first] + own[first + 1 : second] + own[second + 1 :] + letter
+    x = np.transpose(x, [own.index(letter) for letter in letters if letter in own])
+    sizes = iter(np.shape(x))
+    return np.reshape(x, [next(sizes) if letter in own else 1 for letter in letters])
+
+
+def kron(a: Any, b: Any) -> Any:
+    """Each element of ``a`` times ``b``."""
+    a, b = np.asarray(a), np.asarray(b)
+    axes = max(a.ndim, b.ndim)
+    first, second = ((1,) * (axes - x.ndim) + x.shape for x in (a, b))
+    blocks = np.reshape(a, [n for m in first for n in (m, 1)]) * np.reshape(b, [n for m in second for n in (1, m)])
+    return np.reshape(blocks, [m * n for m, n in zip(first, second, strict=True)])
+
+
+def cross(a: Any, b: Any, axisa: int = -1, axisb: int = -1, axisc: int = -1, axis: int | None = None) -> Any:
+    """Cross product of vectors."""
+    if axis is not None:
+        axisa = axisb = axisc = axis
+    first, second = np.moveaxis(np.asarray(a), axisa, -1), np.moveaxis(np.asarray(b), axisb, -1)
+    if (first.shape[-1], second.shape[-1]) != (3, 3):
+        return wrapped(np.cross._implementation(a, b, axisa, axisb, axisc))
+    parts = [first[..., i] * second[..., j] - first[..., j] * second[..., i] for i, j in ((1, 2), (2, 0), (0, 1))]
+    return np.moveaxis(np.stack(parts, axis=-1), -1, axisc)

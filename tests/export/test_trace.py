@@ -55,6 +55,11 @@ EXACT = {
     "columns": (lambda a, n: np.column_stack([a, n.T]) + np.hstack([n.T, a[:, None]]), A, N),
     "block": (lambda m, s: np.block([[m, np.zeros((3, 2))], [np.ones((1, 4)), s * np.ones((1, 1))]]), M, S),
     "einsum": (lambda m: np.einsum("ij,kj->ik", m, EYE), M),
+    "cross of many": (
+        lambda m, a: np.cross(m, m[::-1]) + np.cross(m, a, axisa=0) + np.cross(m, m.T, axis=0),
+        M,
+        A,
+    ),
     "kron": (lambda m: np.kron(m, EYE) + np.kron(EYE, m), M),
     "diagonals": (lambda a, m: np.diag(a) + np.diag(np.diag(m)) + np.trace(m), A, M),
     "triangles": (lambda m: np.triu(m) + 2 * np.tril(m, -1), M),
@@ -146,6 +151,12 @@ LIBRARY = {  # NumPy and the C library may differ in the last place
     "hyperbolic": lambda a: np.sinh(a) + np.cosh(a) + np.tanh(a) + np.arcsinh(a) + np.arctanh(a / 9),
     "hypot": lambda a: np.hypot(a, 1.0) + np.hypot(3.0, a) + np.linalg.norm(a),
     "powers": lambda a: a**3 + abs(a) ** 1.7 + 2.0 ** (a[0]) + np.power(abs(a), a) + a**-2,
+    "einsum of one": lambda a: (lambda m: np.einsum("ii", m) + np.einsum("ij->j", m) + np.einsum("ii->i", m))(
+        np.outer(a, a + 1.0)
+    ),
+    "einsum of more": lambda a: (lambda m: np.einsum("ij,kj,j->ik", m, SKEW, a) @ a + np.einsum("ij,jk", m, m)[0])(
+        np.outer(a, a)
+    ),
     "products": lambda a: np.outer(a, a) @ a + a @ a + np.vdot(a, a) + np.linalg.multi_dot([SKEW, SKEW, a]),
 }
 
