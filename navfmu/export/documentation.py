@@ -87,7 +87,12 @@ def _caption(model: ir.Model, response: Response) -> str:
 
 
 def _shown(variable: ir.Variable, value: Any) -> str:
-    """Return a value, or some of a vector, with its display unit."""
+    """Return a value, or some of a vector, with its display unit; names as they are."""
+    if variable.type == "String" or variable.enumeration:
+        text = ", ".join(
+            given if isinstance(given, str) else _value(variable, given) for given in np.ravel(value).tolist()
+        )
+        return f"[{text}]" if np.ndim(value) else text
     numbers = [display(variable, float(number)) for number in np.ravel(value)]
     text = ", ".join(f"{number:.6g}" for number, _ in numbers)
     return f"{f'[{text}]' if np.ndim(value) else text} {numbers[0][1]}".rstrip()

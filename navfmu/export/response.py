@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, nearest
 from navfmu.export import codegen, ir
 from navfmu.export.description import display
 from navfmu.export.example import Example
@@ -154,8 +154,21 @@ def _values(model: ir.Model, example: Mapping[str, Any]) -> dict[int, Any]:
         indices, shape = known[name]
         if np.shape(value) != shape:
             raise NavfmuError(f"{where} to values of shape {np.shape(value)}, expected {shape}")
-        values |= zip(indices, np.ravel(value).tolist(), strict=True)
+        for index, given in zip(indices, np.ravel(value).tolist(), strict=True):
+            values[index] = _value(model.elements[index].variable, given, where)
     return values
+
+
+def _value(variable: ir.Variable, given: Any, where: str) -> Any:
+    """Return a value as it is set: an item of an enumeration by its number, the text of a string as a text."""
+    items = dict(variable.enumeration.items) if variable.enumeration else {}
+    if isinstance(given, str) and items:
+        if given not in items:
+            raise NavfmuError(f"{where} to '{given}', expected one of {', '.join(items)}{nearest(given, items)}")
+        return items[given]
+    if isinstance(given, str) != (variable.type == "String"):
+        raise NavfmuError(f"{where} to {given!r}, expected a {'text' if variable.type == 'String' else 'number'}")
+    return given
 
 
 def _height(variable: ir.Variable) -> float:
@@ -214,17 +227,17 @@ class _Run:
     def step(self, time: float, h: float) -> None:
         self._check(self.fmi.fmi2DoStep(self.component, ctypes.c_double(time), ctypes.c_double(h), 1))
 
-    def set(self, values: Mapping[int, float]) -> None:
-        for kind, setter, ctype in (
-            ("Real", self.fmi.fmi2SetReal, ctypes.c_double),
-            ("Integer", self.fmi.fmi2SetInteger, ctypes.c_int),
-            ("Boolean", self.fmi.fmi2SetBoolean, ctypes.c_int),
+    def set(self, values: Mapping[int, Any]) -> None:
+        for kind, setter, ctype, convert in (
+            ("Real", self.fmi.fmi2SetReal, ctypes.c_double, float),
+            ("Integer", self.fmi.fmi2SetInteger, ctypes.c_int, round),
+            ("Boolean", self.fmi.fmi2SetBoolean, ctypes.c_int, round),
+            ("String", self.fmi.fmi2SetString, ctypes.c_char_p, str.encode),
         ):
             chosen = [(i, value) for i, value in values.items() if self.model.elements[i].variable.type == kind]
             if not chosen:
                 continue
             count = len(chosen)
-            convert = float if kind == "Real" else round
             numbers = (ctype * count)(*(convert(value) for _, value in chosen))
             references = (ctypes.c_uint * count)(*(i for i, _ in chosen))
             self._check(setter(self.component, references, ctypes.c_size_t(count), numbers))

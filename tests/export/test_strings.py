@@ -1,6 +1,7 @@
 """String parameters: texts in places of their own in the state of an instance, and who sets them."""
 
 import ctypes
+import re
 from pathlib import Path
 
 import fmpy
@@ -12,7 +13,7 @@ from fmpy.validation import validate_fmu
 from navfmu import System
 from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Input, Output, Parameter, State, every, require
+from navfmu.export import Component, Example, Input, Output, Parameter, State, every, require
 from navfmu.export.build import build
 from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
@@ -194,6 +195,42 @@ def test_a_task_does_not_see_them():
     run.setup()
     with pytest.raises(NavfmuError, match=sentence):
         run.do_step(0.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"station": "SGF", "lock": "b", "others": ["x", "y"]}, "others = [x, y]"),
+        ({"station": 5}, "its example sets 'station' to 5, expected a text"),
+        ({"lock": "bb"}, "its example sets 'lock' to 'bb', expected one of a, b; did you mean 'b'?"),
+        ({"gain": "high"}, "its example sets 'gain' to 'high', expected a number"),
+        ({"station": "Tulsa DME"}, "expected at most 8 bytes of UTF-8"),
+    ],
+)
+def test_an_example_gives_texts_and_items_by_name(values, told, tmp_path):
+    class Shown(Component):
+        """Shown."""
+
+        example = Example(values=values)
+        station = Parameter(kind="string", start="TUL", longest=8, description="station")
+        others = Parameter(2, kind="string", description="others")
+        lock = Parameter(kind="enumeration", items=("a", "b"), description="lock")
+        gain = Parameter("1", description="gain")
+        sample_period = Parameter("s", start=0.1, description="sampling period")
+        y = Output("1", description="output")
+
+        @every("sample_period")
+        def step(self):
+            self.y = 1.0 * self.lock
+
+    if "others" not in values:
+        with pytest.raises(NavfmuError, match=re.escape(told)):
+            build([Shown], tmp_path)
+        return
+    (path,) = build([Shown], tmp_path)
+    html = Unzipped(path, tmp_path / "shown").folder.joinpath("documentation", "index.html").read_text()
+    for part in ("station = SGF", "lock = b", told):
+        assert f"<code>{part}</code>" in html
 
 
 # --- in a system ---
