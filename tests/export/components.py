@@ -364,3 +364,49 @@ class Iterating(Component):
     def solve(self):
         begin = np.maximum(self.u, 1.0), 0
         self.root, self.steps = repeat(lambda s: (nearer(s[0], self.u), s[1] + 1), begin, self.iterations, 8)
+
+
+def updated(state, covariance, row, variance, residual):
+    """A Kalman filter's update by one measurement."""
+    cross = covariance @ row
+    gain = cross / (row @ cross + variance)
+    return state + gain * residual, covariance - np.outer(gain, cross)
+
+
+class Wide(Component):
+    """A filter of 24 states whose arrays are kept whole, and whose update is a function that is called."""
+
+    SIZE, ROWS = 24, 6
+
+    measured = Input(ROWS, "m", description="measurements")
+    noise_variance = Parameter(ROWS, "m2", start=4.0, min=1e-6, description="variances of the measurements")
+    coupling = Parameter("1", start=0.1, min=0.0, max=0.5, description="how much each state is driven by the next one")
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
+    state = Output(SIZE, "m", description="estimated states")
+    covariance = State(
+        (SIZE, SIZE), "m2", start=np.diag(25.0 + np.arange(SIZE)), description="covariance of their error"
+    )
+    sigmas = Output(SIZE, "m", description="standard deviations, in order")
+    worst = Output(kind="integer", description="the state that is known worst")
+    weights = Output(ROWS, "1", description="of the measurements in a fit of one number to them")
+
+    @every("sample_period")
+    def estimate(self):
+        transition = 0.9 * np.eye(self.SIZE)
+        for i in range(self.SIZE - 1):
+            transition[i, i + 1] = self.coupling
+        state, covariance = transition @ self.state, transition @ self.covariance @ transition.T
+        covariance = covariance + 0.01 * np.eye(self.SIZE)
+        for i in range(self.ROWS):
+            row = np.zeros(self.SIZE)
+            row[4 * i] = 1.0
+            row[4 * i + 3] = -self.coupling
+            residual = self.measured[i] - row @ state
+            state, covariance = updated(state, covariance, row, self.noise_variance[i], residual)
+        self.state, self.covariance = state, covariance
+        variances = np.diagonal(covariance)
+        self.sigmas = np.sqrt(np.sort(variances))
+        self.worst = np.argmax(variances)
+        block = covariance[:: 24 // self.ROWS, :: 24 // self.ROWS] + np.diag(self.noise_variance)
+        shares = np.linalg.solve(block, np.ones(self.ROWS))
+        self.weights = shares / np.cumsum(shares)[-1]

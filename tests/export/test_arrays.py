@@ -12,7 +12,10 @@ from navfmu.export import trace
 from navfmu.export.extent import LARGE, Extent, extent, shortest
 from navfmu.export.graph import CALLS, Array, in_order
 from navfmu.export.lanes import evaluator, numpy_source
+from navfmu.export.lower import lower
 from navfmu.export.printer import c_function
+
+from .components import Wide
 
 SEED = 3
 RNG = np.random.default_rng(SEED)
@@ -259,3 +262,13 @@ def test_extents_do_not_leak():
         pass
     assert used.operations == 0
     assert not kinds(traced(lambda a: a * 2.0, [np.zeros(50)]))
+
+
+def test_a_wide_filter_is_loops_and_calls():
+    """And its FMU, its twin and the sanitizers run it: test_twin.py, test_sanitizers.py."""
+    (task,) = lower(Wide).tasks
+    used = [node for node in in_order(task.values) if isinstance(node, Array)]
+    assert {node.op for node in used} >= {"Map", "Product", "Call", "Routine"}
+    called = [node.how for node in used if node.op == "Call"]
+    assert len([how for how in called if "updated" in how.name]) == 6
+    assert len({how for how in called if "updated" in how.name}) == 1

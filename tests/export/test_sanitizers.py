@@ -26,6 +26,7 @@ from .components import (
     Terrain,
     Ticking,
     TwoRates,
+    Wide,
 )
 
 
@@ -70,6 +71,7 @@ def test_sanitizers_find_nothing_whatever_a_table_holds(component, tmp_path):
         Searcher,
         Planned,
         TwoRates,
+        Wide,
         Mixed,
         Modes,
         Named,

@@ -20,12 +20,13 @@ from navfmu.export.build import build
 from navfmu.export.twin import build_twin, sources
 from tests import built
 
-from .components import Listener, Searcher, Sensor, Source, TwoRates
+from .components import Listener, Searcher, Sensor, Source, TwoRates, Wide
 from .slave import DISCARD, OK, Slave, Unzipped
 
 ROOT = Path(__file__).parents[2]
 FATAL = 4
 SMALL = {"sensor": Sensor, "listener": Listener, "searcher": Searcher, "source": Source, "two_rates": TwoRates}
+SMALL["wide"] = Wide
 EVERY = {**SMALL, **built.components()}
 
 
