@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import Any, NoReturn
 
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.export.items import extremes, numbered, numbers
 from navfmu.export.place import check_text, place
 from navfmu.export.text import LONGEST, texts
 
@@ -76,11 +77,15 @@ class Variable:
             self.fail("fault=True is for inputs")
         if difference and kind != "real":
             self.fail("difference=True is for real variables, which have a unit")
-        self.items = self._numbered(kind, items)
+        if (kind == "enumeration") != (items is not None):
+            self.fail('items and kind="enumeration" go together, for example items=("search", "track")')
+        self.items = {} if items is None else numbered(items, self.place, self.fail)
         self.enumeration = items.__name__ if isinstance(items, type) else None  # the name of its type
         if self.items:
-            kind, start = "integer", self._numbers_of_items(start)
-            min, max = self._within_items(min, max)
+            if not min is max is nominal is None:
+                self.fail("an enumeration has no min, no max and no nominal: it has its items")
+            kind, start = "integer", numbers(self.items, start, self.fail)
+            min, max = extremes(self.items)
         self.texts: list[str] = []  # start values of a string
         self.longest = longest if kind == "string" else 0
         if kind == "string":
@@ -99,44 +104,6 @@ class Variable:
         self._check_range()
         if nominal is not None and not np.all(self._numbers("nominal", nominal) > 0):
             self.fail(f"nominal is {nominal}, expected a positive number")
-
-    def _numbered(self, kind: str, items: type[IntEnum] | Sequence[str] | None) -> Mapping[str, int]:
-        """Return the items of an enumeration with their numbers; of another variable none."""
-        if (kind == "enumeration") != (items is not None):
-            self.fail('items and kind="enumeration" go together, for example items=("search", "track")')
-        if items is None:
-            return {}
-        if isinstance(items, type) and issubclass(items, IntEnum):
-            numbered = {item.name: int(item) for item in items}
-        elif isinstance(items, list | tuple) and len(set(items)) == len(items):
-            numbered = {name: number for number, name in enumerate(items, 1)}
-        else:
-            numbered = {}
-        if not numbered or not all(isinstance(name, str) and name.strip() for name in numbered):
-            self.fail(f"items are {items!r}, expected names, each of them once, or an IntEnum")
-        first, last = min(numbered.values()), max(numbered.values())
-        if sorted(numbered.values()) != list(range(first, last + 1)):
-            told = ", ".join(f"{name} = {number}" for name, number in numbered.items())
-            self.fail(f"items have the numbers {told}; expected numbers without gaps")
-        for name in numbered:
-            check_text(self.place, f"{type(self).__name__}: items", name)
-        return numbered
-
-    def _numbers_of_items(self, start: Any) -> Any:
-        """Return start values with the numbers of the items that stand there by name."""
-        if start is None:
-            return next(iter(self.items.values()))
-        if isinstance(start, str):
-            if start not in self.items:
-                known = ", ".join(self.items)
-                self.fail(f"start is {start!r}, expected one of {known}{nearest(start, self.items)}")
-            return self.items[start]
-        return [self._numbers_of_items(part) for part in start] if isinstance(start, list | tuple) else start
-
-    def _within_items(self, low: Any, high: Any) -> tuple[Any, Any]:
-        """Return the range, which is that of the items where none is given."""
-        first, last = min(self.items.values()), max(self.items.values())
-        return first if low is None else low, last if high is None else high
 
     def _numbers(self, what: str, value: Any) -> np.ndarray:
         """Return one number for each element, flat: finite, and such as a variable of this kind can hold."""
