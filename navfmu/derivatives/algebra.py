@@ -39,9 +39,14 @@ def _inverse(a: Any) -> Any:
 
 
 def _determinant(a: Any) -> Any:
-    """d(det A) = det A tr(A^-1 dA), Jacobi; for a matrix that has an inverse."""
-    bare = values(a, a.level)
-    return np.linalg.det(bare) * np.sum(np.swapaxes(np.linalg.inv(bare), -1, -2) * a, (-2, -1))
+    """d(det A) = sum of cofactors times dA (Laplace), also where A has no inverse."""
+    bare, count = values(a, a.level), np.shape(a)[-1]
+    if count == 1:
+        return a[..., 0, 0]
+    others = np.array([[j for j in range(count) if j != i] for i in range(count)])
+    minors = bare[..., others[:, None, :, None], others[None, :, None, :]]  # (..., n, n, n - 1, n - 1)
+    signs = 1.0 - 2.0 * (np.add.outer(np.arange(count), np.arange(count)) % 2)
+    return np.sum(signs * np.linalg.det(minors) * a, (-2, -1))
 
 
 def _cholesky(a: Any, *, upper: bool = False) -> Any:

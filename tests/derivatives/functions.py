@@ -125,6 +125,9 @@ ANALYTIC = {
     "solve stacks": lambda x: np.linalg.solve(np.tanh(T[:, :1] * x) + 5.0 * EYE, (T * x).transpose(0, 2, 1)),
     "solve a stack for a vector": lambda x: np.linalg.solve(np.tanh(T[:, :1] * x) + 5.0 * EYE, x),
     "inverse": lambda x: np.linalg.inv(np.outer(x, x) + np.diag(x) + 5.0 * EYE),
+    "determinants of stacks": lambda x: (
+        np.linalg.det(np.tanh(T[:, :1] * x) + np.outer(x, x)) + np.linalg.det(x[:, None, None])
+    ),
     "determinant": lambda x: np.linalg.det(np.outer(x, C) + np.diag(x) + M),
     "array of elements": mixed_row,
     "joining": lambda x: np.concatenate([x, C, 2.0 * x]) + np.concatenate([[x[0]] * 3, np.ones(3), x[::-1]]),

@@ -107,6 +107,15 @@ def test_the_logarithm_of_a_determinant_has_the_inverse_as_derivative():
     close(jacobian(lambda a: np.log(np.linalg.det(a)), a), np.linalg.inv(a).T, 50)
 
 
+def test_a_determinant_of_a_matrix_without_inverse_has_derivatives():
+    """Those of [[a, b], [c, d]] are [[d, -c], [-b, a]]; of a matrix of rank 1, 3 by 3, they are 0."""
+    np.testing.assert_array_equal(
+        jacobian(np.linalg.det, np.array([[1.0, 2.0], [2.0, 4.0]])), [[4.0, -2.0], [-2.0, 1.0]]
+    )
+    np.testing.assert_array_equal(jacobian(np.linalg.det, np.outer([1.0, 2.0, 4.0], [1.0, 8.0, 2.0])), np.zeros((3, 3)))
+    np.testing.assert_array_equal(jacobian(np.linalg.det, np.array([[0.0]])), [[1.0]])
+
+
 def test_roots_of_a_polynomial_by_its_coefficients():
     """dr/dp_k = -r^k / p'(r), of 'np.roots', which knows no derivatives."""
     p = np.array([2.0, -3.0, -4.0, 1.0])

@@ -1,6 +1,7 @@
 """What would lose derivatives without a word, or has none, is refused with file, line and remedy."""
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -160,3 +161,21 @@ def test_no_variable_takes_a_value_with_derivatives(component, way):
         NavfmuError, match=r"test_refusals\.py, line \d+: .* a variable of a component\); use .* returns"
     ):
         run()
+
+
+def test_another_thread_and_a_later_day_have_numpys_own_arrays():
+    """Names of NumPy are changed for the whole process, what they do only for the thread that differentiates."""
+    made, kept = [], []
+
+    def function(x):
+        thread = threading.Thread(target=lambda: made.extend([np.zeros(2), np.array([1.0, 2.0]), np.full(2, 1.0)]))
+        thread.start()
+        thread.join(5.0)
+        kept.extend([np.zeros, np.array, np.eye, np.sum])
+        assert type(np.zeros(2)) is not np.ndarray
+        return x * 2.0
+
+    jacobian(function, np.ones(2))
+    made += [kept[0](2), kept[1]([1.0]), kept[2](2)]
+    assert [type(one) for one in made] == 6 * [np.ndarray]
+    assert kept[3]([1.0, 2.0]) == 3.0 and kept[1].__name__ == "array"

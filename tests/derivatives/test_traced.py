@@ -28,7 +28,7 @@ LIBRARY = {  # NumPy and the C library may differ in the last place
 }
 ROUTINES = {  # linear equations have a routine of their own in C
     *("solve", "solve a constant side", "solve with a constant matrix", "solve stacks", "solve a stack for a vector"),
-    *("inverse", "determinant", "by a matrix", "cholesky", "matrix"),
+    *("inverse", "determinant", "determinants of stacks", "by a matrix", "cholesky", "matrix"),
 }
 PRODUCTS = {  # NumPy leaves the order of their sums to a library; those of derivatives have one
     name for name, function in BOTH.items() if "matri" in name or "dot" in name or "einsum" in name
