@@ -114,7 +114,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     for i, table in enumerate(model.tables):
         yield from _array("char *const", f"labels_{i}", map(_text, table.labels))
         yield from _array("int", f"keys_{i}", table.keys)
-    yield from _array("TableInfo", "model_tables", (_table(table, i) for i, table in enumerate(model.tables)))
+    yield from _array("TableInfo", "model_tables", (_table(model, i) for i in range(len(model.tables))))
 
     if model.through:
         yield f"void {model.name}_through(double *v, double *memory, int64_t k);"
@@ -204,10 +204,11 @@ def _task(model: ir.Model, i: int, ticking: list[ir.Clock]) -> str:
     )
 
 
-def _table(table: ir.Table, i: int) -> str:
+def _table(model: ir.Model, i: int) -> str:
+    table = model.tables[i]
     header = _bytes(numbers.header(table.labels, table.is_grid))
     columns = f"{len(table.columns)}, labels_{i}, {len(table.keys)}, keys_{i}"
-    text = -1 if table.text is None else table.text
+    text = next((int(v.start[0]) for v in model.variables if v.name == table.named_by), -1)
     return f"{{{_text(table.file)}, {header}, {int(table.is_grid)}, {columns}, {text}}}"
 
 

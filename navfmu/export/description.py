@@ -128,7 +128,7 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
     """
     known = {i for v in model.variables if v.causality == "input" or v.initial == "exact" for i in v.indices}
     depends = {e.index: {e.index} & known for e in model.elements}
-    strings = [e.index for e in model.elements if e.variable.type == "String"]
+    strings = {v.name: v.index for v in model.variables if v.type == "String"}
     for task in model.tasks:
         if task.kind != "start":
             continue
@@ -136,8 +136,8 @@ def initial_unknowns(model: ir.Model) -> list[tuple[int, tuple[int, ...]]]:
         every_used = elements_used(task.values, "v"), elements_used(task.values, "noise")
         for value, used, drawn in zip(task.values, *every_used, strict=True):
             seeds = {model.seed, model.stream} if drawn else set()
-            texts = {model.tables[i].text for i in tables_searched([value])} - {None}
-            found.append(set().union(*(depends[i] for i in used | seeds | {strings[text] for text in texts})))
+            names = {model.tables[i].named_by for i in tables_searched([value])} - {None}
+            found.append(set().union(*(depends[i] for i in used | seeds | {strings[name] for name in names})))
         depends.update(zip(task.targets, found, strict=True))
     if model.through:
         seed = set() if model.seed is None else {model.seed}

@@ -153,7 +153,7 @@ class Table:
     units: tuple[str, ...]
     numbers: tuple[np.ndarray, ...]  # of each column: (rows,), or (n,), (m,), (n, m), ...
     keys: tuple[int, ...]  # the columns that increase
-    text: int | None = None  # which of the model's texts, that of a String, names another file to read instead
+    named_by: str | None = None  # the String with the name of another file to read instead
 
     @property
     def is_grid(self) -> bool:

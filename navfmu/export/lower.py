@@ -209,7 +209,7 @@ def lower(component: type[Component]) -> ir.Model:
             units=tuple(unit for _, unit in table.columns),
             numbers=table.numbers,
             keys=table.keys,
-            text=layout.text_of_file(table),
+            named_by=table.file,
         )
         for table in layout.tables
     )

@@ -18,7 +18,7 @@ from navfmu.export.picture import picture
 from navfmu.export.response import Response, step_response
 from tests import built
 
-from .components import Sensor, Source, TwoRates
+from .components import Planned, Searcher, Sensor, Source, TwoRates
 
 
 def read(path):
@@ -46,6 +46,18 @@ def test_the_page_tells_ranges_equations_and_requirements(tmp_path):
     assert "<td><code>sigma</code></td><td>m</td><td>0.1</td><td>0 … 10</td>" in text
     assert "every <code>sample_period</code> (0.1 s unless set)" in text
     assert "(tunable)" in text
+
+
+def test_the_page_tells_what_tables_hold_how_they_are_searched_and_who_names_them():
+    rows = re.findall(r"<tr><td><code>resources/.*?</tr>", page(lower(Planned)), re.DOTALL)
+    told = [" ".join(html.unescape(re.sub(r"<[^>]*>", " ", row)).split()) for row in rows]
+    assert told == [
+        "resources/plan.npy or the file that plan_file names 2 rows time (s), x (m) time",
+        "resources/field.npy or the file that field_file names 2 x 2 x (m), y (m), z (m) x and y",
+        "resources/own.npy 2 rows time (s), x (m) time",
+    ]
+    (row,) = re.findall(r"<tr><td><code>resources/profile.*?</tr>", page(lower(Searcher)), re.DOTALL)
+    assert "x or index" in row
 
 
 def test_text_is_escaped():
