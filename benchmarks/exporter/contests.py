@@ -1,7 +1,7 @@
 """Each case measured: run time against the loops and NumPy, size of the code, seconds to make it, agreement.
 
-Goals: at most 1.5 x the time of the loops, 250 kB of C and 5 s of a processor for each platform; for 15 states a
-prediction in 0.5 us and a scalar update in 0.3 us; a fix from 24 satellites in 10 us.
+Goals: at most 1.5 x the time of the loops, 5 s of a processor for each platform, and 250 kB of C for 42 states; for 15
+states a prediction in 0.5 us and a scalar update in 0.3 us; a fix from 24 satellites in 10 us.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ def run(rounds: int = 7) -> list[Contest]:
     contests = [contest for contest, _ in measured]
     forms = [(contest, form, one) for contest, made in measured for form, one in made.items()]
     ratios = ((contest.ratio(form, "loops in C"), f"{contest.name}, {form}") for contest, form, _ in forms)
-    sizes = ((len(one.text) / 1e3, f"{contest.name}, {form}") for contest, form, one in forms)
+    largest = [(contest, form, one) for contest, form, one in forms if f"{max(STATES_DRIVEN)} states" in contest.name]
+    sizes = ((len(one.text) / 1e3, f"{contest.name}, {form}") for contest, form, one in largest)
     seconds = (
         (spent, f"{contest.name}, {form}, {platform}")
         for contest, form, one in forms

@@ -18,7 +18,7 @@ import numpy as np
 from evidence.compiled import source
 from navfmu.export import toolchain, trace
 from navfmu.export.build import RUNTIME
-from navfmu.export.extent import shortest
+from navfmu.export.extent import current, shortest
 
 
 class Translated:
@@ -53,6 +53,7 @@ class Translated:
 def _traced(function: Callable, arguments: Sequence[Any]) -> list:
     symbols, first = [], 0
     for argument in map(np.asarray, arguments):
+        current().meet(argument.size)
         symbols.append(trace.symbols("v", "f" * argument.size, first).reshape(argument.shape))
         first += argument.size
     return trace.expressions(function(*symbols))
