@@ -91,7 +91,7 @@ static int name_tables(Instance *self, const char *texts, uint64_t wanted, uint6
         const char *name = texts + model.texts[text].place;
         const int same = strcmp(name, self->tables[i].name) == 0;
         if (!failed && !same) failed = load_table(self, &self->others[i], i, name);
-        if (!failed) *number = table_number(same ? &self->tables[i] : &self->others[i], *number);
+        if (!failed) *number = table_mix(*number, (same ? &self->tables[i] : &self->others[i])->number);
     }
     if (!failed && wanted && *number != wanted) {
         instance_say(self, SAY_OTHER_STATE, model.identifier);
@@ -125,7 +125,7 @@ static int instance_create(Instance *self, const char *resources) {
     if (resources) strcpy(self->resources, resources);
     for (int i = 0; i < model.table_count; i++) {
         if (load_table(self, &self->tables[i], i, "")) return 1;
-        if (model.tables[i].text < 0) self->table_number = table_number(&self->tables[i], self->table_number);
+        if (model.tables[i].text < 0) self->table_number = table_mix(self->table_number, self->tables[i].number);
     }
     instance_reset(self);
     return 0;

@@ -180,6 +180,21 @@ static int check(const Table *table, const char *path, char *problem, size_t siz
     return 0;
 }
 
+/* As in FNV, by words; then high bits reach low ones, too. */
+static uint64_t table_mix(uint64_t number, uint64_t bits) {
+    number = (number ^ bits) * 0x9E3779B97F4A7C15u;
+    return number ^ number >> 32;
+}
+
+static uint64_t number_of(const Table *table) {
+    uint64_t number = (uint64_t)table->sizes[0] ^ (uint64_t)table->sizes[1] << 32, bits;
+    for (size_t i = 0; i < table->count; i++) {
+        memcpy(&bits, &table->values[i], sizeof bits);
+        number = table_mix(number, bits);
+    }
+    return number;
+}
+
 static int read_table(Table *table, FILE *file, const char *path, char *problem, size_t size) {
     const TableInfo *info = table->info;
     char one[310], other[310];
@@ -213,7 +228,9 @@ static int read_table(Table *table, FILE *file, const char *path, char *problem,
                  read < table->count ? "less" : "more", count);
         return 1;
     }
-    return check(table, path, problem, size);
+    if (check(table, path, problem, size)) return 1;
+    table->number = number_of(table);
+    return 0;
 }
 
 static int table_load(Table *table, const TableInfo *info, const char *name, const char *resources, char *problem,
@@ -244,16 +261,6 @@ static void table_free(Table *table) {
     free(table->name);
     table->values = NULL;
     table->name = NULL;
-}
-
-static uint64_t table_number(const Table *table, uint64_t before) {
-    uint64_t number = before ^ (uint64_t)table->sizes[0] ^ (uint64_t)table->sizes[1] << 32, bits;
-    for (size_t i = 0; i < table->count; i++) {
-        memcpy(&bits, &table->values[i], sizeof bits);
-        number = (number ^ bits) * 0x9E3779B97F4A7C15u; /* as in FNV, by words; then high bits reach low ones, too */
-        number ^= number >> 32;
-    }
-    return number;
 }
 
 /* ---- searches ---- */

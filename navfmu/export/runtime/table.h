@@ -18,6 +18,7 @@ struct Table {
     int sizes[2];    /* rows, -1; of a grid the numbers of its axes */
     size_t count;
     double *values;  /* row after row; of a grid the axes, then surface after surface */
+    uint64_t number; /* depends on every bit of these and on the sizes */
     int64_t last[SEARCHES][2]; /* where searches have ended (on either axis): saves time, decides nothing */
 };
 
@@ -31,8 +32,8 @@ static int table_load(Table *table, const TableInfo *info, const char *name, con
                       size_t size);
 static void table_free(Table *table);
 
-/* A number that depends on every bit of the table, and on the number of the tables before it. */
-static uint64_t table_number(const Table *table, uint64_t before);
+/* A number that depends on another one and on every bit of these. */
+static uint64_t table_mix(uint64_t number, uint64_t bits);
 
 /* Copy the last row of a table whose number in the column `key` is not above `value`, and the row that follows it. Below
    the first row these are the first two rows; above the last row, and for NaN, the last two. Searches have numbers. */
