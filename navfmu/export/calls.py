@@ -19,7 +19,7 @@ import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export import arrays
-from navfmu.export.extent import FEWER, TooLong, current, shortest
+from navfmu.export.extent import FEWER, LEAST, TooLong, current, shortest
 from navfmu.export.graph import Array, Node, element
 from navfmu.export.graph import number as constant
 from navfmu.export.rules import Scalar, expression
@@ -69,18 +69,7 @@ def recorded(function: FunctionType) -> Callable:
 
 
 def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
-    leaves: list[Any] = []
-    tree = _taken((args, kwargs), leaves)
-    if not leaves:
-        raise _NoCall
-    key = function, tree
-    known = current().functions
-    if key not in known:
-        known[key] = None  # also while it is traced: one that calls itself is no call
-        known[key] = _record(function, tree, len(known))
-    found = known[key]
-    if found is None:
-        raise _NoCall
+    found, leaves = _found(function, (args, kwargs))
     columns = [[leaf] if isinstance(leaf, Scalar) else leaf.view(np.ndarray).ravel().tolist() for leaf in leaves]
     operands = [arrays.operand(column) if len(column) == 1 else arrays.block(column) for column in columns]
     array = Array(found.how, len(found.how.results), operands)
@@ -100,6 +89,32 @@ def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
         return result.reshape(given.shape).view(Traced)
 
     return _given(found.tree, filled)
+
+
+def _found(function: FunctionType, given: Any) -> tuple[_Recorded, list[Any]]:
+    """Return what was recorded of a function for such arguments, and the arrays and numbers that are passed.
+
+    Arrays of constants are passed as others are, or each would make a copy of the function; they are part of it where
+    it cannot be traced without knowing them.
+    """
+    known = current().functions
+    if not _leaves(given, constants=False)[1]:
+        raise _NoCall
+    for constants in (True, False):
+        tree, leaves = _leaves(given, constants)
+        key = function, tree
+        if key not in known:
+            known[key] = None  # also while it is traced: one that calls itself is no call
+            known[key] = _record(function, tree, len(known))
+        if (found := known[key]) is not None:
+            return found, leaves
+    raise _NoCall
+
+
+def _leaves(given: Any, constants: bool) -> tuple[Any, list[Any]]:
+    """Return a tree that can be a key, and what is left out there; arrays of constants too if that is wanted."""
+    leaves: list[Any] = []
+    return _taken(given, leaves, LEAST if constants else math.inf), leaves
 
 
 def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
@@ -172,8 +187,9 @@ class _Container:
     items: tuple
 
 
-def _taken(tree: Any, leaves: list[Any]) -> Any:
-    """Return a tree that can be a key, with what is traced in it replaced; that is appended to the leaves."""
+def _taken(tree: Any, leaves: list[Any], least: float = math.inf) -> Any:
+    """Return a tree that can be a key, with what is traced in it replaced; that is appended to the leaves. So are real
+    numbers that are known, in arrays of at least ``least``."""
     if isinstance(tree, Traced | Scalar):
         leaves.append(tree)
         if isinstance(tree, Scalar):
@@ -181,17 +197,20 @@ def _taken(tree: Any, leaves: list[Any]) -> Any:
         elements = tree.view(np.ndarray).ravel().tolist()
         if not any(type(e) is Scalar for e in elements):
             leaves.pop()
-            return _taken(np.array(elements, type_of(elements)).reshape(tree.shape), leaves)
+            return _taken(np.array(elements, type_of(elements)).reshape(tree.shape), leaves, least)
         kind = {float: "f", int: "i", bool: "b"}[type_of(elements)]
         return _Given(tree.shape, kind, False)
     if tree is None or isinstance(tree, bool | int | float | str | FunctionType | type | slice) or tree is Ellipsis:
         return _Number(type(tree), repr(tree)) if isinstance(tree, float) else _Plain(type(tree), tree)
+    if isinstance(tree, np.ndarray) and tree.dtype == float and tree.size >= least:
+        leaves.append(tree)
+        return _Given(tree.shape, "f", False)
     if isinstance(tree, np.ndarray | np.generic) and tree.dtype != object:
         return _Constant(tree.dtype.str, np.shape(tree), np.ascontiguousarray(tree).tobytes())
     if type(tree) in (list, tuple) or (isinstance(tree, tuple) and hasattr(tree, "_fields")):
-        return _Container(type(tree), (), tuple(_taken(item, leaves) for item in tree))
+        return _Container(type(tree), (), tuple(_taken(item, leaves, least) for item in tree))
     if type(tree) is dict:
-        return _Container(dict, tuple(tree), tuple(_taken(item, leaves) for item in tree.values()))
+        return _Container(dict, tuple(tree), tuple(_taken(item, leaves, least) for item in tree.values()))
     raise _NoCall
 
 

@@ -186,7 +186,30 @@ def test_a_function_that_is_called_often_is_compiled_once():
     assert "test_arrays_smoothed" in calls[0].how.name
 
 
+def of_rows(x):
+    """A filter's update for measurements that are made of known states: rows of constants."""
+    for row in np.eye(6, 12):
+        x, _ = smoothed(x, row)
+    return x
+
+
+def decided(x, weights):
+    """What it does depends on constants."""
+    return smoothed(x, weights)[0] if weights[0] > 0.0 else np.sqrt(np.abs(x)) * 2.0 + weights[1]
+
+
+def test_arrays_of_constants_make_no_copies_of_a_function():
+    """Wrong: one function for each row of zeros and ones, nine times the code for nine measurements."""
+    given = [RNG.normal(size=12)]
+    made = traced(of_rows, given, 8)
+    assert len({node.how for node in in_order(made.nodes) if node.op == "Call"}) == 1
+    assert same(compiled([(of_rows, given)], 8)[0](*given), of_rows(*given))
+
+
 CALLED = {
+    "a branch on an array of constants": lambda a: (
+        decided(a, np.linspace(-1, 1, 20)) + decided(a, np.linspace(1, 2, 20))
+    ),
     "a branch on a value that is constant here": lambda a: sometimes(a, 0.0) + sometimes(a, 1.0),
     "a branch on a value that is known only here": lambda a: sometimes(a, np.array([0.0, a[0]])[0]),
     "arguments that are changed": lambda a: in_place(a.copy()) * 1.0,
