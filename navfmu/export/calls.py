@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export import arrays
+from navfmu.export import arrays, wholes
 from navfmu.export.extent import FEWER, LEAST, TooLong, current, shortest
 from navfmu.export.graph import Array, Node, element
 from navfmu.export.graph import number as constant
@@ -71,7 +71,7 @@ def recorded(function: FunctionType) -> Callable:
 def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
     found, leaves = _found(function, (args, kwargs))
     columns = [[leaf] if isinstance(leaf, Scalar) else leaf.view(np.ndarray).ravel().tolist() for leaf in leaves]
-    operands = [arrays.operand(column) if len(column) == 1 else arrays.block(column) for column in columns]
+    operands = [wholes.operand(column) if len(column) == 1 else wholes.block(column) for column in columns]
     array = Array(found.how, len(found.how.results), operands)
 
     def filled(given: _Given, first: int) -> Any:

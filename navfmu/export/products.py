@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import arrays
+from navfmu.export import wholes
 from navfmu.export.extent import current
 from navfmu.export.rules import add, is_whole, refuse
 from navfmu.export.traced import Traced, as_numbers, built, filled, is_kept_whole, objects, type_of, wrapped
@@ -35,7 +35,7 @@ def _matrix_product(a: np.ndarray, b: np.ndarray) -> Traced:
     left, right = a.ravel().tolist(), b.ravel().tolist()
     if inner != len(b) or not is_kept_whole(rows * inner * columns // 4, left, right):
         return _multiply(np.matmul, a, b)
-    elements = arrays.multiplied(as_numbers(left), as_numbers(right), rows, inner, columns)
+    elements = wholes.multiplied(as_numbers(left), as_numbers(right), rows, inner, columns)
     return filled((rows, columns), elements)
 
 

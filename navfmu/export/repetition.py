@@ -14,7 +14,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from navfmu.export import arrays
+from navfmu.export import arrays, wholes
 from navfmu.export.graph import Array, Node, Operand, depends, element, in_order
 from navfmu.export.printer import c_call
 from navfmu.export.rules import Scalar, expression, is_boolean, is_whole, number, whole
@@ -47,14 +47,14 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     begin = [_converted(e, kind) for part, kind in zip(parts, kinds, strict=True) for e in part.ravel().tolist()]
     ends = [_converted(e, kind) for part, kind in zip(found, kinds, strict=True) for e in part.ravel().tolist()]
     body = _Body(vector, [expression(e) for e in ends])
-    others = [arrays.block([Scalar(node) for node in body.constant])] if body.constant else []
+    others = [wholes.block([Scalar(node) for node in body.constant])] if body.constant else []
     call = _call(body, [len(begin), *(other.size for other in others)])
-    operands = [arrays.operand(begin), *others, arrays.operand(objects(count).ravel().tolist())]
+    operands = [wholes.operand(begin), *others, wholes.operand(objects(count).ravel().tolist())]
     array = Array(arrays.Repeat(call, most), len(begin), operands)
     answers, first = [], 0
     for shape, kind in zip(shapes, kinds, strict=True):
         size = math.prod(shape)
-        answers.append(filled(shape, arrays.elements(array, kind, size, first)))
+        answers.append(filled(shape, wholes.elements(array, kind, size, first)))
         first += size
     return _like(value, answers)
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import arrays, graph
+from navfmu.export import arrays, graph, wholes
 from navfmu.export.extent import current
 from navfmu.export.graph import Node
 from navfmu.export.rules import Scalar, expression, is_boolean, is_whole, number, refuse, scalar_power, truth, whole
@@ -99,7 +99,7 @@ def contains_traced(x: Any) -> bool:
 def at_each_place(rule: Callable, columns: list[list], shape: tuple[int, ...]) -> Traced:
     """Apply a rule at each place of columns of elements; in one node where arrays are kept whole."""
     if is_kept_whole(math.prod(shape), *columns):
-        return filled(shape, arrays.mapped(rule, columns, shape))
+        return filled(shape, wholes.mapped(rule, columns, shape))
     return built(shape, [rule(*elements) for elements in zip(*columns, strict=True)])
 
 
@@ -111,7 +111,7 @@ def is_kept_whole(size: int, *columns: list) -> bool:
     """
     extent = current()
     extent.meet(size)
-    return size >= extent.whole and (extent.calls or all(arrays.lies_together(column) for column in columns))
+    return size >= extent.whole and (extent.calls or all(wholes.lies_together(column) for column in columns))
 
 
 def broadcast_columns(inputs: Iterable) -> tuple[list[list], tuple[int, ...]]:
@@ -287,10 +287,10 @@ def routine(
     """
     given = [objects(x) for x in operands]
     columns = [as_numbers(x.ravel().tolist()) for x in given]
-    read = [arrays.block(c) if x.ndim else arrays.operand(c) for x, c in zip(given, columns, strict=True)]
+    read = [wholes.block(c) if x.ndim else wholes.operand(c) for x, c in zip(given, columns, strict=True)]
     values = frozenset(k for k, x in enumerate(given) if not x.ndim)
     how = arrays.Routine(name, tuple(numbers), tuple(before), values)
-    return filled(shape, arrays.elements(graph.Array(how, math.prod(shape), read), kind))
+    return filled(shape, wholes.elements(graph.Array(how, math.prod(shape), read), kind))
 
 
 def expressions(array: Any) -> list[Node]:

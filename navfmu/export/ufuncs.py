@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import arrays
+from navfmu.export import wholes
 from navfmu.export.products import product
 from navfmu.export.rules import RULES, Scalar, add, fold, is_boolean, is_whole, refuse, truth
 from navfmu.export.traced import (
@@ -36,7 +36,7 @@ def _elementwise(ufunc: np.ufunc, inputs: tuple) -> Traced:
         if ufunc is not np.add:
             refuse("NumPy does not subtract truth values", "use ^ or np.logical_xor, or ~")
         ufunc = np.logical_or  # what NumPy does for bool + bool
-    if ufunc is np.power and not arrays.uniform(columns[1]):  # each exponent has a rule of its own
+    if ufunc is np.power and not wholes.uniform(columns[1]):  # each exponent has a rule of its own
         return built(shape, [applied(ufunc, elements) for elements in zip(*columns, strict=True)])
     return at_each_place(lambda *elements: applied(ufunc, elements), columns, shape)
 
@@ -109,7 +109,7 @@ def _fold_whole(ufunc: np.ufunc, rows: np.ndarray, fast: bool, initial: Any) -> 
     elif ufunc is np.add and real:
         first = 0.0
     pairwise = ufunc is np.add and fast
-    return arrays.folded(lambda a, b: applied(ufunc, (a, b)), column, *rows.shape, first, pairwise)
+    return wholes.folded(lambda a, b: applied(ufunc, (a, b)), column, *rows.shape, first, pairwise)
 
 
 def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
@@ -117,7 +117,7 @@ def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
     moved = np.moveaxis(array, kwargs.get("axis", 0), -1)
     if is_kept_whole(moved.size, moved.ravel().tolist()) and moved.shape[-1] > 1:
         column, length = as_numbers(moved.ravel().tolist()), moved.shape[-1]
-        rows = arrays.accumulated(lambda a, b: applied(ufunc, (a, b)), column, len(column) // length, length)
+        rows = wholes.accumulated(lambda a, b: applied(ufunc, (a, b)), column, len(column) // length, length)
         return np.moveaxis(filled(moved.shape, rows), -1, kwargs.get("axis", 0))
     rows = []
     for row in moved.reshape(-1, moved.shape[-1]).tolist():

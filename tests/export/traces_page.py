@@ -1,4 +1,4 @@
-"""Write what traces, and what is refused and how, into ``docs/what_traces.md``: ``python -m tools.traces_page``.
+"""Write what traces, and what is refused and how, into ``docs/what_traces.md``: ``python -m tests.export.traces_page``.
 
 The page is made of the tests: what stands there is what they try.
 """
@@ -16,15 +16,16 @@ from evidence.compiled import traced
 from navfmu.errors import NavfmuError
 from navfmu.export import extent, fresh, functions, linear, order
 from navfmu.export.rules import RULES
-from tests.export import test_trace
 
-ROOT = Path(__file__).resolve().parent.parent
+from . import test_trace
+
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "what_traces.md"
 
 HEAD = """# What traces
 
 A method of a component, and every function of the model that it calls, is run once with symbols in place of numbers;
-what it does with them is what the FMU does. This page is made of the tests (`python -m tools.traces_page`): all that
+what it does with them is what the FMU does. This page is made of the tests (`python -m tests.export.traces_page`): all that
 stands here is compiled there and compared with NumPy, or refused with the sentence that is shown.
 
 Elementwise operations, choices and comparisons have NumPy's bits; `exp`, `sin` and their kin may differ by two units in
