@@ -25,8 +25,8 @@ PAGE = ROOT / "docs" / "what_traces.md"
 HEAD = """# What traces
 
 A method of a component, and every function of the model that it calls, is run once with symbols in place of numbers;
-what it does with them is what the FMU does. This page is made of the tests (`python -m tests.export.traces_page`): all that
-stands here is compiled there and compared with NumPy, or refused with the sentence that is shown.
+what it does with them is what the FMU does. This page is made of the tests (`python -m tests.export.traces_page`): all
+that stands here is compiled there and compared with NumPy, or refused with the sentence that is shown.
 
 Elementwise operations, choices and comparisons have NumPy's bits; `exp`, `sin` and their kin may differ by two units in
 the last place, and so NumPy differs from itself between machines. Sums along the last axis go in NumPy's order (eight
