@@ -4,8 +4,15 @@
 
 #include <math.h>
 
+/* Not compiled in place: it is long, and called often. */
+#ifdef __GNUC__
+#define CALLED __attribute__((noinline))
+#else
+#define CALLED
+#endif
+
 /* The sum of n numbers that lie a step apart, in the order in which NumPy adds what lies side by side. */
-static inline double sum(const double *x, int n, int step) {
+CALLED static inline double sum(const double *x, int n, int step) {
     if (n < 8) {
         double total = x[0];
         for (int i = 1; i < n; i++) total += x[i * step];
@@ -26,33 +33,36 @@ static inline double sum(const double *x, int n, int step) {
     return sum(x, half, step) + sum(x + half * step, n - half, step);
 }
 
-/* r = a b. Each element is a sum from 0.0 on, from the first product to the last: sums go on side by side. */
+/* ROWS rows of a matrix times a vector: sums go on side by side, so that none waits for itself. */
+#define ROWS_SIDE_BY_SIDE(ROWS)                                                                       \
+    for (; i + ROWS <= rows; i += ROWS) {                                                             \
+        double s[ROWS] = {0.0};                                                                       \
+        for (int k = 0; k < inner; k++) {                                                             \
+            for (int m = 0; m < ROWS; m++) s[m] += a[(i + m) * down + k * right] * b[k * below];      \
+        }                                                                                             \
+        for (int m = 0; m < ROWS; m++) r[i + m] = s[m];                                               \
+    }
+
+/* r = a b. Each element is a sum from 0.0 on, from the first product to the last. */
 static inline void product(int rows, int inner, int columns, const double *restrict a, int down, int right,
                            const double *restrict b, int below, int beside, double *restrict r) {
-    enum { SIDE_BY_SIDE = 8 };
-    for (int i = 0; i < rows && columns > 1; i++) {
+    int i = 0;
+    if (columns == 1) {
+        ROWS_SIDE_BY_SIDE(8)
+        ROWS_SIDE_BY_SIDE(4)
+        ROWS_SIDE_BY_SIDE(2)
+        ROWS_SIDE_BY_SIDE(1)
+        return;
+    }
+    for (; i < rows; i++) {
         for (int j = 0; j < columns; j++) r[i * columns + j] = 0.0;
         for (int k = 0; k < inner; k++) {
             const double x = a[i * down + k * right];
             for (int j = 0; j < columns; j++) r[i * columns + j] += x * b[k * below + j * beside];
         }
     }
-    if (columns > 1) return;
-    for (int i = 0; i < rows; i += SIDE_BY_SIDE) {
-        const int n = rows - i < SIDE_BY_SIDE ? rows - i : SIDE_BY_SIDE;
-        double s[SIDE_BY_SIDE] = {0.0};
-        if (n == SIDE_BY_SIDE) {
-            for (int k = 0; k < inner; k++) {
-                for (int m = 0; m < SIDE_BY_SIDE; m++) s[m] += a[(i + m) * down + k * right] * b[k * below];
-            }
-        } else {
-            for (int k = 0; k < inner; k++) {
-                for (int m = 0; m < n; m++) s[m] += a[(i + m) * down + k * right] * b[k * below];
-            }
-        }
-        for (int m = 0; m < n; m++) r[i + m] = s[m];
-    }
 }
+#undef ROWS_SIDE_BY_SIDE
 
 /* Eliminates below the diagonal of lu (n, n), with the largest pivot of each column, and does the same to b (n, columns).
    Returns the sign of the exchange of rows. */
