@@ -83,7 +83,14 @@ def _caption(model: ir.Model, response: Response) -> str:
     often += [f"{always} at every communication point"] if always else []
     if often:
         words += f". New data comes in {', in '.join(often)}"
-    return f"{words}."
+    return f"{words}.{_without_value(model, response)}"
+
+
+def _without_value(model: ir.Model, response: Response) -> str:
+    """What the picture ends without, or "": a curve that is missing needs a word."""
+    ended = [i for i, value in zip(response.indices, response.values[-1], strict=True) if not np.isfinite(value)]
+    names = dict.fromkeys(f"`{model.elements[i].variable.name}`" for i in ended)
+    return f" Without a finite value at the end: {', '.join(names)}." if names else ""
 
 
 def _shown(variable: ir.Variable, value: Any) -> str:

@@ -10,11 +10,11 @@ import pytest
 
 from fmus.ahrs import Ahrs
 from navfmu import NavfmuError
-from navfmu.export import Example, toolchain
+from navfmu.export import Component, Example, Output, Parameter, every, toolchain
 from navfmu.export.build import build, library, prepare
 from navfmu.export.documentation import page
 from navfmu.export.lower import lower
-from navfmu.export.picture import picture
+from navfmu.export.picture import panels, picture
 from navfmu.export.response import Response, step_response
 from tests import built
 
@@ -147,3 +147,33 @@ def test_a_response_that_runs_away_is_drawn():
     values = np.array([[0.0], [1.7e308], [-1.7e308], [np.inf]])
     response = Response(time, [index], values, None, {}, [], Example(), {})
     assert picture(model, response).startswith(b"\x89PNG")
+
+
+class Covariant(Component):
+    """A covariance of 24 states, and a quotient."""
+
+    interval = Parameter("s", start=1.0, min=0.1)
+    covariance = Output((24, 24), "m", start=np.diag(np.arange(24.0)))
+    weight = Output(12, "1")
+    quotient = Output("1")
+
+    @every("interval")
+    def run(self):
+        self.quotient = 0.0 * self.weight[0] / self.weight[0]
+
+
+def test_of_a_large_array_as_many_curves_are_drawn_as_there_are_colours():
+    """A legend of 576 covariances covered the picture, and took half a minute to place."""
+    response = run(Covariant)
+    shown = panels(lower(Covariant), response)
+    assert list(shown) == ["covariance (m), 10 of 576", "weight, 10 of 12", "quotient"]
+    assert list(shown["covariance (m), 10 of 576"]) == [f"[{i},{i}]" for i in range(1, 11)]
+    assert [curve[-1] for curve in shown["covariance (m), 10 of 576"].values()] == list(range(10))
+    assert list(shown["weight, 10 of 12"]) == [f"[{i}]" for i in range(1, 11)]
+
+
+def test_the_page_says_which_curve_ends_without_a_value():
+    """0 / 0 left an empty pair of axes and no word."""
+    text = page(lower(Covariant), run(Covariant))
+    assert "Without a finite value at the end: <code>quotient</code>." in text
+    assert "Without a finite value" not in page(lower(TwoRates), run(TwoRates))
