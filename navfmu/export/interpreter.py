@@ -27,7 +27,7 @@ from navfmu.export.life import State
 from navfmu.export.noise import Normals
 from navfmu.export.numbers import Numbers
 from navfmu.export.task import TaskDeclaration
-from navfmu.export.text import size
+from navfmu.export.text import no_character, size
 from navfmu.fmi.names import hint
 
 _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}
@@ -344,6 +344,8 @@ class Interpreter:
                 self._refuse("NOT_WHOLE", element.name, value)
             if kind == "String" and not isinstance(value, str):
                 self._refuse("NO_TEXT", element.name)
+            if kind == "String" and (wrong := no_character(value)):
+                self._refuse("NO_CHARACTER", element.name, wrong)
             if kind == "String" and size(value) > element.variable.longest:
                 self._refuse("TOO_LONG", element.name, size(value), element.variable.longest)
             if self.state == State.STEPPING and element.variable.causality == "parameter":

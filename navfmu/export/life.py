@@ -116,6 +116,7 @@ MESSAGES = {
     "NO_SLOPE": _error("A derivative of order %d was set for '%s'; expected order 1 and a continuous Real input."),
     "NOT_WHOLE": _error("'%s' is an Integer and is assigned %.9g."),
     "NO_TEXT": _error("'%s' is a String and is set to no text."),
+    "NO_CHARACTER": _error("'%s' is set to a text whose byte %.0f begins no character; expected UTF-8."),
     "ELSEWHERE": _error("The table '%s' is not in the resources; expected the name of a file there."),
     "TOO_LONG": _error("'%s' is set to a text of %.0f bytes; expected at most %d bytes of UTF-8."),
     "NO_ITEM": _error("'%s' is an Enumeration from %.9g to %.9g and is assigned %.9g."),

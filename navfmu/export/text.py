@@ -33,4 +33,10 @@ def texts(start: Any, shape: tuple[int, ...], longest: int, place: str, fail: Ca
 
 def size(text: str) -> int:
     """Return how many bytes a text has in UTF-8."""
-    return len(text.encode(errors="surrogateescape"))
+    return len(text.encode())
+
+
+def no_character(text: str) -> int | None:
+    """Return which byte begins no character of a C string in UTF-8, counted from 1; None if each does."""
+    place = next((i for i, c in enumerate(text) if c == "\0" or "\ud800" <= c <= "\udfff"), None)
+    return None if place is None else size(text[:place]) + 1

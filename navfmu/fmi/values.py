@@ -9,6 +9,7 @@ from numbers import Real
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.files.characters import illegal, shown
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.names import group, hint, is_element, short
 from navfmu.fmi.seconds import UNITS, is_finite
@@ -59,13 +60,16 @@ def typed(description: Description, variable: Variable, value: Any, what: str) -
     if variable.type == "String":
         if not isinstance(value, str):
             raise NavfmuError(f"{what}: expected a text")
+        if wrong := illegal(value):
+            raise NavfmuError(f"{shown(what)}: the text has the character {wrong}; expected no control characters")
         return value
     if variable.type == "Boolean":
         return _boolean(value, what)
     items = description.items(variable)
     if isinstance(value, str) and items:
-        if value.strip() in items:
-            return items[value.strip()]
+        for name in (value, value.strip()):
+            if name in items:
+                return items[name]
         if not is_number(value):
             raise NavfmuError(f"{what}: expected one of {', '.join(items)}{nearest(value, items)}")
     number = quantity(description, variable, value, what)

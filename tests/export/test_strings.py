@@ -89,6 +89,49 @@ def test_a_longer_text_is_refused_with_its_bound_and_changes_nothing(unzipped):
     slave.free()
 
 
+@pytest.mark.parametrize(
+    ("data", "byte"),
+    [
+        (b"Z\xc3", 2),  # cut in the middle of a character
+        (b"a\xe2\x82b", 2),
+        (b"\xfcber", 1),  # Latin-1
+        (b"\xc0\x80", 1),  # 0 in two bytes
+        (b"\xe0\x80\x80", 1),
+        (b"\xf0\x80\x80\x80", 1),
+        (b"ab\xed\xa0\x80", 3),  # half of a character of UTF-16
+        (b"\xf4\x90\x80\x80", 1),
+        (b"\xf5\x80\x80\x80", 1),
+        (b"\x80", 1),
+        ("Zü€😀".encode()[:-1], 7),
+        ("éé€".encode(), None),
+        ("😀\U0010ffff".encode(), None),
+        ("\ud7ff\ue000".encode(), None),
+    ],
+)
+def test_a_text_is_utf_8(data, byte, unzipped):
+    """Which texts are is Python's judgement. Catches a text that is cut to its bound in the middle of a character,
+    which other hosts cannot read."""
+    slave = Slave(unzipped["named"])
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        assert byte == error.start + 1
+    status = slave.set_references("String", [unzipped["named"].reference("others[2]")], [data[:8]])
+    if byte is None:
+        assert status == OK and slave.get("others[2]") == data.decode()
+    else:
+        assert status == ERROR and slave.get("others[2]") == "a b"
+        assert slave.said == f"'others[2]' is set to a text whose byte {byte} begins no character; expected UTF-8."
+    slave.free()
+
+
+def test_a_text_that_c_cannot_have_is_refused_with_floats_too():
+    floats = Interpreter(Named)
+    for text in ("\udcff", "ü\0", "\ud800"):
+        with pytest.raises(NavfmuError, match=f"whose byte {len(text) if text[0] != 'ü' else 3} begins no character"):
+            floats.set("station", text)
+
+
 def test_texts_stand_once_initialisation_has_ended(unzipped):
     slave, floats = Slave(unzipped["named"]), Interpreter(Named)
     slave.initialise()
@@ -255,6 +298,13 @@ def test_a_parameter_set_and_python_set_them(named, engine):
         system.run(parameters={"a.station": "Tulsa DME"}, engine=engine)
     with pytest.raises(NavfmuError, match=r"'station' = 5: expected a text"):
         system.run(parameters={"a.station": 5}, engine=engine)
+
+
+@pytest.mark.parametrize(("text", "shown"), [("x\0y", r"\x00"), ("\udcff", r"\udcff")])
+def test_a_text_that_does_not_arrive_as_it_is_is_refused(named, text, shown):
+    """Catches one that C ends at its 0, and a traceback about bytes of the command line that are no UTF-8."""
+    with pytest.raises(NavfmuError, match=f"the text has the character {re.escape(shown)}"):
+        System.load(named).run(parameters={"a.station": text})
 
 
 def test_the_command_line_sets_them(named, tmp_path):

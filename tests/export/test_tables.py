@@ -261,3 +261,12 @@ def test_the_interpreter_refuses_the_state_of_another_table_and_of_another_build
         with pytest.raises(NavfmuError, match=sentence):
             other.set_state(Interpreter(Rows).get_state())
     Interpreter(Rows, "another").set_state(Interpreter(Rows, "another").get_state())
+
+
+@pytest.mark.parametrize("resources", ["/" + "ü" * 1000, "/x" + "ü" * 1000, "file:///caf%E9"])
+def test_what_is_said_is_utf_8_where_a_path_is_too_long_to_be_shown_or_is_none(unzipped, resources):
+    """Catches half of a character at the end, which hosts that decode what they are told fail on."""
+    slave = Slave(unzipped["source"], resources=resources)
+    assert slave.component.value is None
+    assert slave.said.startswith("The table /"), "a message that is not UTF-8 is lost in the logger"
+    assert "üüü" in slave.said or slave.said == "The table /caf?/track.npy cannot be read."

@@ -1,5 +1,7 @@
 """Values for variables: types, units, ranges, one for each element."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -83,3 +85,11 @@ def test_an_array_gets_a_value_for_each_element(value):
 def test_what_does_not_fit_is_told_in_a_sentence(name, value, sentence):
     with pytest.raises(NavfmuError, match=sentence):
         given(**{name: value})
+
+
+def test_an_item_is_found_by_its_very_name():
+    """Of items of others one may begin with a blank; the same without it is another one."""
+    mode = Variable("mode", 0, "Integer", "parameter", "fixed", "exact", 1, min=1, max=3, enumeration="Mode")
+    about = replace(ABOUT, variables=(mode,), enumerations={"Mode": {"on": 1, " on": 2, " off": 3}})
+    for text, number in (("on", 1), (" on", 2), ("on ", 1), (" off", 3), ("3", 3)):
+        assert values.expand(about, {"mode": text}, "here") == {"mode": number}

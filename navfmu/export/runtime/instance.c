@@ -9,12 +9,33 @@
 
 #include "noise.h"
 
+/* How many bytes the character of UTF-8 has that begins here, 0 if none does. */
+static size_t character_bytes(const char *text) {
+    const unsigned char *c = (const unsigned char *)text;
+    if (c[0] < 0x80) return 1;
+    const size_t count = c[0] >= 0xC2 && c[0] < 0xE0 ? 2 : (c[0] & 0xF0) == 0xE0 ? 3 : c[0] >= 0xF0 && c[0] < 0xF5 ? 4 : 0;
+    for (size_t i = 1; i < count; i++) {
+        if ((c[i] & 0xC0) != 0x80) return 0;
+    }
+    if (c[0] == 0xE0 && c[1] < 0xA0) return 0; /* could be shorter, */
+    if (c[0] == 0xF0 && c[1] < 0x90) return 0;
+    if (c[0] == 0xED && c[1] > 0x9F) return 0; /* half of a character of UTF-16, */
+    if (c[0] == 0xF4 && c[1] > 0x8F) return 0; /* beyond the last character */
+    return count;
+}
+
+/* A sentence is UTF-8 whatever it tells of, also where it ends because its place does. */
 SELDOM static void instance_say(Instance *self, Severity severity, const char *format, ...) {
     char sentence[1024];
     va_list values;
     va_start(values, format);
     vsnprintf(sentence, sizeof sentence, format, values);
     va_end(values);
+    for (char *c = sentence; *c;) {
+        const size_t bytes = character_bytes(c);
+        if (!bytes) *c = '?';
+        c += bytes ? bytes : 1;
+    }
     self->report(self, severity, sentence);
 }
 
@@ -168,9 +189,12 @@ static const char *instance_text(const Instance *self, int index) {
 static int instance_can_hold(Instance *self, int index, const char *text) {
     const char *name = model.variables[index].name;
     const int longest = text_of(index)->longest;
-    if (text && strlen(text) <= (size_t)longest) return 1;
+    const char *c = text ? text : "";
+    while (*c && character_bytes(c)) c += character_bytes(c);
     if (!text) instance_say(self, SAY_NO_TEXT, name);
-    else instance_say(self, SAY_TOO_LONG, name, (double)strlen(text), longest);
+    else if (*c) instance_say(self, SAY_NO_CHARACTER, name, (double)(c - text + 1));
+    else if (c - text > longest) instance_say(self, SAY_TOO_LONG, name, (double)(c - text), longest);
+    else return 1;
     return 0;
 }
 
