@@ -76,12 +76,14 @@ class Product:
 class Call:
     """A function of the model. Its results are nodes over ``element("p<k>", i)``, the numbers of its k-th operand.
 
-    ``before`` is what routines in it are given besides, which has the same name where it is called.
+    ``before`` is what routines in it are given besides, which has the same name where it is called. ``about`` says what
+    function it is and what its operands are called there.
     """
 
     name: str
     results: tuple[Node, ...]
     before: tuple[str, ...] = ()
+    about: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ value that is known only where it is called) is traced in its place, as if it st
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -159,7 +160,29 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
     if not results:
         return None
     name = re.sub(r"\W", "_", f"{function.__module__.rpartition('.')[2]}_{function.__name__}_{number}")
-    return _Recorded(arrays.Call(name, tuple(results)), result, tuple(numbers))
+    return _Recorded(arrays.Call(name, tuple(results), about=_about(function, tree)), result, tuple(numbers))
+
+
+def _about(function: FunctionType, tree: Any) -> str:
+    """Return "ins.moved: p0 is x (24,), p1 is nominal[0] (3,)": the operands in the order in which they are passed."""
+    args, kwargs = tree.items
+    named = inspect.signature(function).bind_partial(*args.items).arguments if args.items else {}
+    told: list[str] = []
+
+    def tell(name: str, tree: Any) -> None:
+        if isinstance(tree, _Given):
+            told.append(f"p{len(told)} is {name}{f' {tree.shape}'.replace(', ', ',') if tree.shape else ''}")
+        elif isinstance(tree, _Container):
+            for key, item in zip(tree.keys or range(len(tree.items)), tree.items, strict=True):
+                tell(f"{name}[{key}]", item)
+
+    for name, value in named.items():
+        many = isinstance(value, tuple)  # *args
+        for i, item in enumerate(value) if many else [(0, value)]:
+            tell(f"{name}[{i}]" if many else name, item)
+    for name, item in zip(kwargs.keys, kwargs.items, strict=True):
+        tell(name, item)
+    return f"{function.__module__.rpartition('.')[2]}.{function.__name__}: {', '.join(told)}"
 
 
 def _held(tree: Any) -> Any:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Iterable
 
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
 from navfmu.export.graph import Array, Node, element, settled
-from navfmu.export.printer import DECLARATIONS, c_function, c_helpers, c_number, has_arrays
+from navfmu.export.printer import DECLARATIONS, WIDTH, c_function, c_helpers, c_number, comment, has_arrays
 from navfmu.files import numbers
 
 #: The vectors that a task's function reads, in order, and what its routines search.
@@ -63,6 +64,8 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield ""
     yield "#include <math.h>"
     yield ""
+    yield comment(f"In v lies {_in_vector(model, range(len(model.elements)))}")
+    yield ""
     fixed = _fixed(model)
     known = {node: ("fixed", place) for node, place in fixed.items()}
     once = _once(fixed)
@@ -73,6 +76,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         yield from c_helpers(results)
     yield c_function("fixed_values", ["v"], once, others=TABLES)
     for i, task in enumerate(model.tasks):
+        yield comment(f"Task '{task.name}': r is what it assigns, {_in_vector(model, task.targets)}")
         yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {}, others=TABLES)
     for i, check in enumerate(model.checks):
         yield c_function(f"check_{i}", VECTORS, [check.holds], others=TABLES)
@@ -162,6 +166,14 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
     yield "};"
 
 
+def _in_vector(model: ir.Model, places: Iterable[int]) -> str:
+    """Return the names of variables, each with its place when they stand one after the other: "x at 0, P at 4"."""
+    first: dict[str, int] = {}
+    for place, index in enumerate(places):
+        first.setdefault(model.elements[index].variable.name, place)
+    return ", ".join(f"{name} at {place}" for name, place in first.items()) or "nothing"
+
+
 def _fixed(model: ir.Model) -> dict[Node, int]:
     """Return the operations of the tasks whose values stand when initialisation has ended, as :func:`settled` does."""
     running = [task for task in model.tasks if task.kind != "start"]
@@ -243,7 +255,10 @@ def _message(check: ir.Check) -> tuple[str, list[int]]:
 
 def _array(kind: str, name: str, items: Iterable[object]) -> Iterable[str]:
     """Yield the definition of a constant array; C has none of length 0, so an empty one gets one zero element."""
-    lines = [f"    {item}," for item in items]
+    lines = [f"{item}," for item in items]
+    if kind in ("int", "double"):
+        lines = textwrap.wrap(" ".join(lines), WIDTH - 4, break_long_words=False, break_on_hyphens=False)
+    lines = [f"    {line}" for line in lines]
     yield f"static const {kind} {name}[] = {{"
     yield from lines or ["    {0},"] if kind[0].isupper() else lines or ["    0,"]
     yield "};"

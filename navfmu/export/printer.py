@@ -15,6 +15,7 @@ from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand,
 #: What stands somewhere already: a number, or the first one of an array, as a vector's name and a place.
 Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
+WIDTH = 116  # of lines that are filled
 _SHORT = 4  # so many statements are no loop
 #: What routines are given besides numbers, as an argument of the functions in which they are called.
 DECLARATIONS = {"tables": "Table *tables"}
@@ -57,7 +58,14 @@ def c_call(call: Call, sizes: Sequence[int]) -> str:
     """Return the C function of a call whose operands have these sizes."""
     names = [f"p{k}" for k in range(len(sizes))]
     values = {name for name, size in zip(names, sizes, strict=True) if size == 1}
-    return c_function(call.name, names, call.results, values=values, others=[DECLARATIONS[b] for b in call.before])
+    text = c_function(call.name, names, call.results, values=values, others=[DECLARATIONS[b] for b in call.before])
+    return f"{comment(call.about)}\n{text}" if call.about else text
+
+
+def comment(text: str) -> str:
+    """Return a text as a comment in C; names may have any letters."""
+    text = text.replace("*/", "* /").encode("ascii", "backslashreplace").decode()
+    return textwrap.fill(f"/* {text}.", WIDTH - 3, subsequent_indent=" * ", break_long_words=False) + " */"
 
 
 def _called(node: Node) -> tuple[Call | None, Sequence[Operand]]:
@@ -273,7 +281,7 @@ class _Body:
         if key not in self.constants:
             name = f"{'c' if kind == 'double' else 'n'}{len(self.constants)}"
             texts = (c_number(x).removesuffix(".0") if kind == "double" else str(x) for x in numbers.tolist())
-            text = textwrap.fill(", ".join(texts), 116, initial_indent=" " * 8, subsequent_indent=" " * 8)
+            text = textwrap.fill(", ".join(texts), WIDTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
             self.constants[key] = name, f"    static const {kind} {name}[] = {{\n{text}\n    }};"
         return self.constants[key][0]
 

@@ -112,7 +112,8 @@ def _call(body: _Body, sizes: list[int]) -> arrays.Call:
     what = tuple(body.results), tuple(sorted(body.before))
     text = c_call(arrays.Call("", *what), sizes)
     name = f"repeated_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    return _known.setdefault(name, arrays.Call(name, *what))
+    about = "One pass of repeat: p0 is what changes, p1 what stays as it is"
+    return _known.setdefault(name, arrays.Call(name, *what, about=about))
 
 
 class _Body:

@@ -13,7 +13,7 @@ from navfmu.export.extent import LARGE, Extent, extent, shortest
 from navfmu.export.graph import CALLS, Array, in_order
 from navfmu.export.lanes import evaluator, numpy_source
 from navfmu.export.lower import lower
-from navfmu.export.printer import c_function
+from navfmu.export.printer import c_function, c_helpers
 
 from .components import Wide
 
@@ -204,6 +204,30 @@ def test_arrays_of_constants_make_no_copies_of_a_function():
     made = traced(of_rows, given, 8)
     assert len({node.how for node in in_order(made.nodes) if node.op == "Call"}) == 1
     assert same(compiled([(of_rows, given)], 8)[0](*given), of_rows(*given))
+
+
+def of_parts(x):
+    """Calls with tuples, keywords and a name that is no ASCII."""
+
+    total = 0.0
+    for k in range(6):
+        total = total + joined((x[:9], x[9]), λ=x[10:] + k)
+    return total
+
+
+def joined(parts, λ):
+    for _ in range(9):
+        λ = parts[0] * parts[1] + np.sqrt(np.abs(λ))
+    return λ
+
+
+def test_the_code_says_which_function_it_is_and_what_its_operands_are():
+    """p0, p1, p2 and the hash of a name told nobody where the code came from."""
+    made = traced(of_parts, [RNG.normal(size=19)], 8)
+    (text,) = c_helpers(made.nodes)
+    head, _, rest = text.partition("\n")
+    assert head == "/* test_arrays.joined: p0 is parts[0] (9,), p1 is parts[1], p2 is \\u03bb (9,). */"
+    assert "(const double *restrict p0, double p1, const double *restrict p2, double *restrict r)" in rest
 
 
 CALLED = {

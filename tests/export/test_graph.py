@@ -8,7 +8,7 @@ from navfmu.export.graph import Node, element, number, settled
 from navfmu.export.lower import lower
 from navfmu.export.printer import c_function
 
-from .components import Lag
+from .components import Lag, Wide
 
 
 def test_truth_values_are_numbers_where_one_calculates_with_them():
@@ -53,3 +53,16 @@ def test_a_parameter_that_can_be_tuned_and_what_tasks_change_are_calculated_anew
     assert before.count("exp(") == before.count("sqrt(") == 1
     assert "exp(" not in task
     assert task.count("sqrt(") == 1
+
+
+def test_the_code_says_what_lies_where():
+    """v[24] told nobody that a position begins there, and numbers stood one on a line."""
+    model = lower(Wide)
+    text = generate(model, "{}")
+    places = {v.name: v.index for v in model.variables}
+    assert places["state"] == 14
+    told = text[text.index("/* In v lies ") :].partition(" */")[0]
+    told = told.removeprefix("/* In v lies ").replace("\n *", "").removesuffix(".")
+    assert told == ", ".join(f"{name} at {place}" for name, place in places.items())
+    assert "/* Task 'estimate': r is what it assigns, state at 0, covariance at 24, " in text
+    assert max(map(len, text.split("targets_0[] = {\n")[1].split("\n};")[0].splitlines())) > 100
