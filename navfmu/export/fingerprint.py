@@ -106,7 +106,7 @@ def _file(name: str) -> Path | None:
 
 
 @cache
-def _imports(name: str, file: Path) -> list[str]:
+def _imports(name: str, file: Path) -> tuple[str, ...]:
     return imports(name, file.read_text(encoding="utf-8"))
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 
 
-def imports(module: str, text: str) -> list[str]:
+@cache
+def imports(module: str, text: str) -> tuple[str, ...]:
     """Return the names that the source ``text`` of an imported module imports, in order.
 
     ``from a import b`` gives ``a`` and ``a.b``: which of them are modules, ``sys.modules`` knows.
@@ -20,4 +22,4 @@ def imports(module: str, text: str) -> list[str]:
             parts = package.split(".") if node.level else []
             base = ".".join([*parts[: len(parts) + 1 - node.level], *([node.module] if node.module else [])])
             found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
-    return list(dict.fromkeys(found))
+    return tuple(dict.fromkeys(found))
