@@ -11,7 +11,10 @@ _PACKAGE = os.path.dirname(__file__)
 _SKIPPED = (
     *(os.path.join(_PACKAGE, room) + os.sep for room in ("export", "derivatives", "repetition")),
     os.path.dirname(np.__file__),
+    os.path.join(os.path.dirname(os.path.dirname(np.__file__)), "scipy"),  # which models may call, too
     "<__array_function__",
+    "<stringsource>",  # as functions of Cython call their file
+    "scipy" + os.sep,
     __file__,
 )
 

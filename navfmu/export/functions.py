@@ -9,7 +9,7 @@ import numpy as np
 
 from navfmu.export import linear, order
 from navfmu.export.products import cross, einsum, kron, product, tensordot
-from navfmu.export.rules import Scalar, refuse, where
+from navfmu.export.rules import OTHERS, Scalar, refuse, where
 from navfmu.export.traced import (
     Traced,
     at_each_place,
@@ -201,7 +201,16 @@ STRUCTURAL.discard(None)
 _REMEDIES = {
     "argsort": "order the values themselves with np.sort, or select with np.where",
     "lstsq": "solve the normal equations with np.linalg.solve",
-    "eigh": "iterate a fixed number of times",
+    "pinv": "write np.linalg.solve(A.T @ A, A.T)",
+    **dict.fromkeys(("eig", "eigh", "eigvals", "eigvalsh", "qr", "svd"), "iterate a fixed number of times"),
+    **dict.fromkeys(("searchsorted", "digitize"), "look the row up with a Table"),
+    **dict.fromkeys(("percentile", "quantile"), "order the values with np.sort and take one at a constant index"),
+    **dict.fromkeys(
+        ("nansum", "nanmean", "nanmax", "nanmin"), "choose first what stands for NaN, np.where(np.isnan(x), 0.0, x)"
+    ),
+    "piecewise": "choose with np.select",
+    "average": "write np.sum(weights * x) / np.sum(weights)",
+    "unwrap": "wrap each difference: np.mod(x + np.pi, 2 * np.pi) - np.pi",
     "copyto": "build the array with np.where or np.concatenate",
 }
 
@@ -211,7 +220,7 @@ def apply(function: Callable, args: tuple, kwargs: dict) -> Any:
         return FUNCTIONS[function](*args, **kwargs)
     if function not in STRUCTURAL:
         name = f"{function.__module__}.{function.__name__}".replace("numpy", "np", 1)
-        remedy = _REMEDIES.get(function.__name__, "write it with the functions that can (see the tutorial)")
+        remedy = _REMEDIES.get(function.__name__, OTHERS)
         refuse(f"{name} cannot be traced", remedy)
     if kwargs.get("out") is not None:
         refuse(f"np.{function.__name__}(..., out=...) is not traced", "assign the result to a name")

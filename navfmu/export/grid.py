@@ -31,6 +31,8 @@ class Grid(Numbers):
         super().__init__(file)
         if len(axes) != 2 or not surfaces:
             self.refuse(f"has {len(axes)} axes and {len(surfaces)} surfaces; expected 2 axes and a surface or more")
+        axes = self.parts("an axis", axes, ("name", "unit", "numbers"))
+        surfaces = self.parts("a surface", surfaces, ("name", "unit", "heights"))
         self.columns = tuple((str(name), str(unit)) for name, unit, _ in (*axes, *surfaces))
         self.keys = (0, 1)
         self.hold(tuple(np.array(numbers, float) for *_, numbers in (*axes, *surfaces)))
@@ -87,9 +89,10 @@ class GridView:
     def __init__(self, grid: Grid, frame: Any) -> None:
         self._grid, self._frame = grid, frame
 
-    def around(self, **point: Any) -> Corners:
+    def around(self, *values: Any, **point: Any) -> Corners:
         """Return the corners around a point that is given by both axes: ``around(north=x, east=y)``."""
         names = self._grid.key_names()
+        self._grid.check_named(self._frame, values)
         if set(point) != set(names):
             self._grid.not_a_key(self._frame, tuple(point))
         values = [point[name] for name in names]

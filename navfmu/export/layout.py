@@ -250,7 +250,7 @@ class Layout:
             return
         field = self.fields.get(name)
         if field is None or (field.causality, field.type, field.shape) != ("parameter", "Real", ()):
-            known = [n for n, f in self.fields.items() if f.causality == "parameter"]
+            known = [n for n, f in self.fields.items() if f.causality == "parameter" and f.unit == "s" and not f.shape]
             self.fail(f"the {what} '{name}' is no scalar Parameter in s{nearest(str(name), known)}")
         if field.unit != "s":
             self.fail(f"the {what} '{name}' is in {field.unit}, expected a Parameter in s")

@@ -36,6 +36,13 @@ class Numbers:
     def __set__(self, component: Any, value: Any) -> None:
         component._frame.fail(f"{type(self).__name__.lower()} '{self.name}' cannot be assigned")
 
+    def parts(self, what: str, given: Any, names: tuple[str, ...]) -> list[tuple[Any, ...]]:
+        """Return what is given as ``what``, which are tuples of ``names``."""
+        for one in given:
+            if not isinstance(one, list | tuple) or len(one) != len(names):
+                self.refuse(f"has {what} {one!r}; expected ({', '.join(names)})")
+        return [tuple(one) for one in given]
+
     def refuse(self, what: str) -> NoReturn:
         """Raise the error for this declaration."""
         raise NavfmuError(f"{self.place}: {type(self).__name__} {what}")
@@ -87,6 +94,13 @@ class Numbers:
         """
         numbers = self.numbers[self.keys[key]]
         return np.clip(np.searchsorted(numbers, values, side="right") - 1, 0, len(numbers) - 2)
+
+    def check_named(self, frame: Any, values: tuple[Any, ...]) -> None:
+        """Refuse a search by values without the names of their columns."""
+        if values:
+            names = [f"{name}=..." for name in self.key_names()]
+            calls = " or ".join(f"around({n})" for n in ([", ".join(names)] if self.between_keys == "and" else names))
+            frame.fail(f"{type(self).__name__} '{self.name}' is searched by name, {calls}")
 
     def not_a_key(self, frame: Any, given: tuple[str, ...]) -> NoReturn:
         """Raise the error for a search by other columns than it has keys."""

@@ -22,6 +22,10 @@ from navfmu.export.place import place
 _LARGEST = float(np.finfo(float).max)
 
 
+#: What is written instead of a function that has no traced form and no remedy of its own.
+OTHERS = "write it with the functions that can (docs/what_traces.md lists them)"
+
+
 def refuse(what: str, remedy: str) -> NoReturn:
     """Raise the error for a construct that has no traced form."""
     raise NavfmuError(f"{place()}: {what}; {remedy}")
@@ -90,6 +94,11 @@ def _binary(rule: Callable, reflected: bool = False) -> Callable:
 
 def expression(x: Any) -> Node:
     """Return a Scalar's node, that of a constant as float."""
+    if isinstance(x, str):
+        refuse(
+            f"a value meets the text '{x}', and values are numbers",
+            "compare an enumeration with the member of an IntEnum, which may be its items",
+        )
     return x.node if type(x) is Scalar else constant(x)
 
 

@@ -35,7 +35,8 @@ class Table(Numbers):
         file: str | None = None,
     ) -> None:
         super().__init__(file)
-        self.columns = tuple((str(name), str(unit)) for name, unit in columns)
+        pairs = self.parts("a column", columns, ("name", "unit"))
+        self.columns = tuple((str(name), str(unit)) for name, unit in pairs)
         rows = np.array(rows, float)
         if not self.columns or rows.ndim != 2 or rows.shape[1] != len(self.columns) or len(rows) < 2:
             self.refuse(f"rows have shape {rows.shape}, expected at least 2 rows of {len(self.columns)} columns")
@@ -92,9 +93,10 @@ class TableView:
     def __init__(self, table: Table, frame: Any) -> None:
         self._table, self._frame = table, frame
 
-    def around(self, **key: Any) -> Around:
+    def around(self, *values: Any, **key: Any) -> Around:
         """Return the rows around a value of a key: ``around(distance=d)``."""
         table, known = self._table, self._table.key_names()
+        table.check_named(self._frame, values)
         if len(key) != 1 or not set(key) <= set(known):
             table.not_a_key(self._frame, tuple(key))
         ((name, value),) = key.items()

@@ -9,7 +9,7 @@ import numpy as np
 
 from navfmu.export import wholes
 from navfmu.export.products import product
-from navfmu.export.rules import RULES, Scalar, add, fold, is_boolean, is_whole, refuse, truth
+from navfmu.export.rules import OTHERS, RULES, Scalar, add, fold, is_boolean, is_whole, refuse, truth
 from navfmu.export.traced import (
     Traced,
     as_numbers,
@@ -134,7 +134,8 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
     if kwargs.get("where", True) is not True:
         refuse(f"np.{ufunc.__name__}(..., where=...) is not traced", "use np.where")
     if ufunc is not np.matmul and ufunc not in RULES:
-        refuse(f"np.{ufunc.__name__} cannot be traced", "write it with the functions that can (see the tutorial)")
+        name = f"np.{ufunc.__name__}" if getattr(np, ufunc.__name__, None) is ufunc else ufunc.__name__
+        refuse(f"{name} cannot be traced", OTHERS)
     dtype = kwargs.pop("dtype", None)
     if dtype is not None and method not in ("reduce", "accumulate"):
         refuse(f"np.{ufunc.__name__}(..., dtype=...) is not traced", "convert with x.astype(...)")

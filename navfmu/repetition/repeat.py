@@ -34,7 +34,9 @@ def repeat(function: Callable[[Any], Any], value: Any, count: Any, most: int) ->
         The largest count that counts; a number that is known when the component is built, such as the parameter's max.
     """
     if isinstance(most, bool) or not isinstance(most, int | np.integer) or most < 1:
-        _refuse(f"repeat(..., most={most!r})", "expected a whole number of at least 1, known when the model is built")
+        _refuse(
+            f"repeat(..., most={_shown(most)})", "expected a whole number of at least 1, known when the model is built"
+        )
     if not callable(function):
         _refuse(f"repeat({function!r}, ...)", "expected a function of one value")
     if np.shape(count) != ():
@@ -55,7 +57,7 @@ def applied(function: Callable[[Any], Any], value: Any) -> Any:
         result = function(value)
     finally:
         _within.reset(token)
-    if shapes(result) != shapes(value):
+    if result is None or shapes(result) != shapes(value):
         told = f"the function of repeat returns {_told(result)} for {_told(value)}"
         _refuse(told, "return what is like the value that it is given")
     return result
@@ -79,7 +81,14 @@ def shapes(value: Any) -> Any:
     return [shapes(part) for part in value] if isinstance(value, tuple) else np.shape(value)
 
 
+def _shown(value: Any) -> str:
+    """A value, or that it is one that is not known before the component runs."""
+    return "a value" if hasattr(type(value), "__repeat__") else repr(value)
+
+
 def _told(value: Any) -> str:
+    if value is None:
+        return "None"
     if isinstance(value, tuple):
         return f"({', '.join(_told(part) for part in value)})"
     return f"shape {np.shape(value)}"

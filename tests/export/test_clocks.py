@@ -258,6 +258,8 @@ def test_what_cannot_be_a_clock_is_refused_with_a_sentence():
         every("sample_period", offset=0.05)
     with pytest.raises(NavfmuError, match=r"the offset 'phas' is no scalar Parameter in s; did you mean 'phase'"):
         declare(every("sample_period", offset="phas"), phase=Parameter("s"))
+    with pytest.raises(NavfmuError, match=r"the period 'rows' is no scalar Parameter in s$"):
+        declare(every("rows"), rows=Parameter(2, "s"))
     with pytest.raises(NavfmuError, match="the offset 'phase' must not be tunable: it says when the first tick comes"):
         declare(every("sample_period", offset="phase"), phase=Parameter("s", tunable=True))
     with pytest.raises(NavfmuError, match="the period 'length' is in m, expected a Parameter in s"):

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import scipy.linalg
 from numpy import array, full, where
 
 from evidence.compiled import Compiled, linked
@@ -220,6 +221,14 @@ DECLARATIONS = {
         lambda: Table(columns=(("time", "s"), ("height", "m")), rows=[[0, 1], [1, 3]], key="hieght"),
         "no column 'hieght' to be searched by; did you mean 'height'?",
     ),
+    "table without units": (
+        lambda: Table(columns=("time", "height"), rows=[[0, 1], [1, 3]]),
+        "Table has a column 'time'; expected (name, unit)",
+    ),
+    "grid without units": (
+        lambda: Grid(axes=(("x", [0, 1]), ("y", [0, 1])), surfaces=(("z", "m", np.zeros((2, 2))),)),
+        "Grid has an axis ('x', [0, 1]); expected (name, unit, numbers)",
+    ),
     "table by nothing": (
         lambda: Table(columns=(("time", "s"),), rows=[[0], [1]], key=()),
         "is searched by nothing; expected a column",
@@ -336,6 +345,7 @@ class Playground(Component):
     T = Parameter("s", start=1.0)
     state = State(3, "m")
     whole = Output(kind="integer")
+    mode = Output(kind="enumeration", items=("search", "track"))
 
 
 def _run_in(mode, body):
@@ -368,6 +378,11 @@ TASKS = {
     "wrong shape": (_set("state", np.zeros(2)), "(2,)", "(3,)"),
     "number for an array": (_set("state", 1.0), "()", "(3,)"),
     "unknown name": (_set("stat", np.zeros(3)), "did you mean 'state'?"),
+    "the name of an item": (
+        _set("mode", "track"),
+        "'mode' is assigned the text 'track', expected the number of an item: 1 for 'search', 2 for 'track'",
+    ),
+    "a text": (_set("whole", "3"), "'whole' is assigned the text '3', expected a number"),
     "read an unknown name": (lambda self: self.gian, "did you mean 'gain'?"),
     "unknown member": (lambda self: self.fix.xx, "did you mean 'x'?"),
     "publish an unknown member": (lambda self: self.out.publish(z=1.0), "'z'"),
@@ -397,7 +412,10 @@ def test_failures_of_numpy_while_tracing_get_file_and_line():
     def index(self):
         self.whole = np.array([1, 2, 3])[self.whole]
 
-    for body in (wrong_shapes, index):
+    def elsewhere(self):
+        self.state = scipy.linalg.expm(np.outer(self.state, self.state))[0]
+
+    for body in (wrong_shapes, index, elsewhere):
         refused(lambda body=body: _run_in("traced", body), "plain NumPy", f"line {body.__code__.co_firstlineno + 1}")
 
 

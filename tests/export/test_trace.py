@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.special
 from numpy import array as array_by_name
 
 from evidence.compiled import compiled
@@ -350,6 +351,10 @@ REFUSED = {
     "argsort method": (lambda a: a.argsort(), "np.sort"),
     "least squares": (lambda a: np.linalg.lstsq(EYE, a), "normal equations"),
     "eigenvalues": (lambda a: np.linalg.eigh(np.outer(a, a)), "fixed number"),
+    "pseudoinverse": (lambda a: np.linalg.pinv(np.outer(a, a)), "np.linalg.solve(A.T @ A, A.T)"),
+    "search in numbers": (lambda a: np.searchsorted(np.arange(4.0), a), "Table"),
+    "function of another library": (lambda a: scipy.special.erf(a), "functions that can"),
+    "comparison with a text": (lambda a: a[0] == "track", "IntEnum"),
     "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
     "where with one argument": (lambda a: np.where(a > 0), "both branches"),
     "ufunc with where": (lambda a: np.sqrt(a, where=a > 0), "np.where"),

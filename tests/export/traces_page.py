@@ -32,7 +32,8 @@ Elementwise operations, choices and comparisons have NumPy's bits; `exp`, `sin` 
 the last place, and so NumPy differs from itself between machines. Sums along the last axis go in NumPy's order (eight
 sums side by side up to 128 numbers, halves above), other sums and all products of matrices from the first term to the
 last. `solve`, `inv`, `det` and `cholesky` are judged by what they leave over; for a matrix that is singular or not
-positive definite NumPy raises an error, and here the result is infinite or NaN.
+positive definite NumPy raises an error (also in the interpreter and the Python twin), and here the result is infinite
+or NaN. So what is not chosen must be guarded as well: `np.linalg.solve(np.where(enough, N, np.eye(4)), y)`.
 
 Small arrays become single numbers, large ones loops, and functions that are called often are compiled once; no bit
 depends on it ([array_nodes](decisions/array_nodes.md)). A task of more than {limit} operations on single numbers is

@@ -163,7 +163,10 @@ def test_selecting_gives_the_same_as_leaving():
 
 
 WRONG = {
-    "most is a value": (lambda n: repeat(lambda x: x, 1.0, n, n), "known when the model is built"),
+    "most is a value": (
+        lambda n: repeat(lambda x: x, 1.0, n, n),
+        "most=a value); expected a whole number of at least 1",
+    ),
     "most is none": (lambda n: repeat(lambda x: x, 1.0, n, 0), "most=0); expected a whole number of at least 1"),
     "a vector of counts": (lambda n: repeat(lambda x: x, 1.0, np.array([n, n]), 3), "a count of shape (2,)"),
     "no function": (lambda n: repeat(1.0, 1.0, n, 3), "repeat(1.0, ...); expected a function of one value"),
@@ -171,6 +174,7 @@ WRONG = {
         lambda n: repeat(lambda x: np.array([x, x]), 1.0, n, 3),
         "the function of repeat returns shape (2,) for shape (); return what is like the value that it is given",
     ),
+    "nothing": (lambda n: repeat(lambda x: None, 1.0, n, 3), "the function of repeat returns None for shape ()"),
     "fewer": (lambda n: repeat(lambda x: x[0], (1.0, n), n, 3), "returns shape () for (shape (), shape ())"),
 }
 
