@@ -11,7 +11,7 @@ import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export.place import check_text, place
-from navfmu.files.numbers import label, unpacked
+from navfmu.files.numbers import form, label, unpacked
 from navfmu.files.reading import read_bytes
 
 
@@ -67,9 +67,9 @@ class Numbers:
     def read(self, path: Path) -> Numbers:
         """Return the same table with the numbers of a file, which has the same columns."""
         found = unpacked(read_bytes(path, "a table"), str(path))
-        form = {label(*column): numbers.ndim for column, numbers in zip(self.columns, self.numbers, strict=True)}
-        if {name: column.ndim for name, column in found.items()} != form or list(found) != list(form):
-            raise NavfmuError(f"{path}: has the columns {', '.join(found)}; expected {', '.join(form)}")
+        own = {label(*column): numbers for column, numbers in zip(self.columns, self.numbers, strict=True)}
+        if form(found) != form(own):
+            raise NavfmuError(f"{path}: has the columns {form(found)}; expected {form(own)}")
         other = copy.copy(self)
         other.place = str(path)
         other.hold(tuple(found.values()))

@@ -40,11 +40,21 @@ def unpacked(data: bytes, what: str) -> dict[str, np.ndarray]:
     """Return the columns of a file (label -> array); ``what`` it is begins the sentence of what is wrong."""
     try:
         numbers = npy.read_array(io.BytesIO(data))
-    except (ValueError, EOFError) as error:
+    except Exception as error:  # NumPy raises ValueError, EOFError, TokenError, MemoryError, ... on what is none
         raise NavfmuError(f"{what}: {' '.join(str(error).split())}; expected a file of NumPy's format") from None
     if not numbers.dtype.names or numbers.ndim > 1:
         raise NavfmuError(f"{what}: holds numbers without names; expected an array of records with named columns")
+    for name in numbers.dtype.names:
+        if numbers.dtype[name].base.kind not in "fiu":
+            raise NavfmuError(f"{what}: '{name}' is of type {numbers.dtype[name].base}; expected real numbers")
     return {name: np.array(numbers[name], float) for name in numbers.dtype.names}
+
+
+def form(columns: Mapping[str, np.ndarray]) -> str:
+    """Return which columns these are, and how each lies, as text."""
+    kinds = {0: "a number", 1: "a list", 2: "a surface"}
+    told = {name: kinds.get(column.ndim, f"{column.ndim} dimensions") for name, column in columns.items()}
+    return ", ".join(f"'{name}' ({kind})" for name, kind in told.items())
 
 
 def header(labels: Sequence[str], grid: bool) -> bytes:

@@ -37,7 +37,7 @@ def columns(text: str, like: Mapping[str, np.ndarray], what: str) -> dict[str, n
 
 def _row(line: str, count: int, where: str) -> list[float]:
     try:
-        row = [float(word) for word in line.split(",")]
+        row = [] if "_" in line else [float(word) for word in line.split(",")]
     except ValueError:
         row = []
     if len(row) != count or not all(map(math.isfinite, row)):

@@ -16,7 +16,7 @@ import numpy as np
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.archive import entries, open_archive, read_entry
 from navfmu.files.markup import parse
-from navfmu.files.numbers import packed, unpacked
+from navfmu.files.numbers import form, packed, unpacked
 from navfmu.files.numbers_as_text import columns
 from navfmu.fmi.reading import NAME as DESCRIPTION
 
@@ -52,10 +52,8 @@ def like(table: Mapping[str, np.ndarray], data: bytes, source: str) -> dict[str,
         found = unpacked(data, source)
     else:
         found = columns(data.decode("utf-8", "replace"), table, source)
-    forms = [[(label, column.ndim) for label, column in of.items()] for of in (found, table)]
-    if forms[0] != forms[1]:
-        told = (", ".join(f"'{label}'" for label, _ in form) for form in forms)
-        raise NavfmuError("{}: has the columns {}; expected {}".format(source, *told))
+    if form(found) != form(table):
+        raise NavfmuError(f"{source}: has the columns {form(found)}; expected {form(table)}")
     return found
 
 

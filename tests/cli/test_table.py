@@ -168,7 +168,7 @@ def test_what_cannot_be_done_is_told(fmus, tmp_path):
     refused("a.csv, line 1: the columns are", hill, "profile", "--from", csv, "--out", other)
     wrote(hill, "air", "--out", tmp_path / "air.npy")
     refused(
-        "air.npy: has the columns 'time (s)', 'temperature (K)'; expected 'time (s)', 'height (m)'",
+        "air.npy: has the columns 'time (s)' (a list), 'temperature (K)' (a list); expected 'time (s)' (a list),",
         hill, "profile", "--from", tmp_path / "air.npy", "--out", other,
     )  # fmt: skip
     assert not other.exists()

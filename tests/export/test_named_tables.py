@@ -111,7 +111,8 @@ OUTSIDE = "' is not in the resources; expected the name of a file there."
 WRONG = {
     "none.npy": ("none.npy cannot be read.", "none.npy: no such file; expected a table"),
     "bad.npy": ("number 2 of 2 in 'time (s)', 0, is not greater", "bad.npy: Table is searched by 'time'"),
-    "plane.npy": ("has the header", "has the columns x (m), y (m), z (m); expected time (s), x (m)"),
+    "plane.npy": ("has the header", "'z (m)' (a surface); expected 'time (s)' (a list), 'x (m)' (a list)"),
+    "row.npy": ("has the header", "has the columns 'time (s)' (a number), 'x (m)' (a number); expected"),
     "plans": ("plans cannot be read.", "is a folder, expected a table"),
     "../resources/other.npy": (OUTSIDE, OUTSIDE),
     "a/../other.npy": (OUTSIDE, OUTSIDE),
@@ -125,6 +126,7 @@ WRONG = {
 def test_a_wrong_file_is_told_and_another_can_be_named(planned, name):
     """A file elsewhere is no part of the FMU: what it holds is not in the key under which results are kept."""
     (planned.folder / "resources" / "plans").mkdir()
+    np.save(planned.folder / "resources" / "row.npy", np.zeros((), [("time (s)", "<f8"), ("x (m)", "<f8")]))
     native, floats = WRONG[name]
     slave = Slave(planned)
     slave.set("plan_file", name)

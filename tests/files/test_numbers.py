@@ -75,6 +75,7 @@ WRONG_TEXTS = {
     "time (s),x (ft)\n": (TABLE, "x.csv, line 1: the columns are 'time (s),x (ft)'; expected 'time (s),x (m)'"),
     HEAD + "0,1\n\n1,\n": (TABLE, "x.csv, line 4: expected 2 numbers separated by commas"),
     HEAD + "0,1,2\n": (TABLE, "x.csv, line 2: expected 2 numbers separated by commas"),
+    HEAD + "0,1_0\n": (TABLE, "x.csv, line 2: expected 2 numbers separated by commas"),  # Python would read 10
     HEAD + "0,nan\n": (TABLE, "x.csv, line 2: expected 2 numbers separated by commas"),
     POINTS + "0,0,1,1\n0,1,1,1\n1,0,1,1\n": (GRID, "x.csv: has 3 points; expected each of 2 numbers of the first axis"),
     POINTS + "0,0,1,1\n1,0,1,1\n0,1,1,1\n1,1,1,1\n": (GRID, "x.csv: has 4 points; expected each of 2 numbers"),
@@ -102,3 +103,33 @@ def test_a_file_that_is_none_or_has_no_names_is_told():
     ):
         with pytest.raises(NavfmuError, match=said):
             numbers.unpacked(data, "x.npy")
+
+
+def _header(text):
+    return b"\x93NUMPY\x01\x00\x76\x00" + text.encode().ljust(117) + b"\n"
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [
+        ("<c16", "complex128"),
+        ("<U4", "<U4"),
+        ("<M8[s]", "datetime64"),
+        ("V8", "V8"),
+        ("?", "bool"),
+        ([("a", "<f8")], "a"),
+    ],
+)
+def test_columns_of_what_is_no_real_number_are_told(kind, told):
+    """Catches an imaginary part that is dropped, days that are read as seconds, and a traceback of NumPy's."""
+    file = io.BytesIO()
+    np.save(file, np.zeros(2, [("time (s)", "<f8"), ("x (m)", kind)]))
+    with pytest.raises(NavfmuError, match=rf"x.npy: 'x \(m\)' is of type .*{told}.*; expected real numbers"):
+        numbers.unpacked(file.getvalue(), "x.npy")
+
+
+@pytest.mark.parametrize("header", ["(" * 100, "{'descr': '<f8', 'fortran_order': False, 'shape': (9999999999999,), }"])
+def test_a_header_that_is_none_is_told(header):
+    """NumPy has other errors than ValueError for these."""
+    with pytest.raises(NavfmuError, match=r"^x.npy: .*; expected a file of NumPy's format$"):
+        numbers.unpacked(_header(header), "x.npy")
