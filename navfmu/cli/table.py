@@ -35,7 +35,7 @@ def command(fmu: str, name: str | None, source: str | None, file: str | None, ou
     from navfmu.system.result import check_file
 
     if name is None:
-        if source or file or out:
+        if source or file is not None or out:
             raise NavfmuError(f"{fmu}: which table? Its name is missing; without options they are listed")
         _show(fmu, tables.contents(fmu))
         return
@@ -43,7 +43,7 @@ def command(fmu: str, name: str | None, source: str | None, file: str | None, ou
         raise NavfmuError(f"{fmu}: --out is missing, the file to write: .csv, .npy, or with --from an .fmu")
     target = check_file(out, ".csv", ".npy", *([".fmu"] if source else []))
     form = target.suffix.lower()
-    if file and form != ".fmu":
+    if file is not None and form != ".fmu":
         raise NavfmuError(f"--as {file} names a file within an FMU; {out} is none, expected .fmu at its end")
     given = _given(source) if source else None
     files = tables.contents(fmu)
@@ -51,7 +51,7 @@ def command(fmu: str, name: str | None, source: str | None, file: str | None, ou
     if source:
         columns = tables.like(columns, given, source)
     if form == ".fmu":
-        content = zipped(tables.replaced(files, file or name, columns, fmu))
+        content = zipped(tables.replaced(files, name if file is None else file, columns, fmu))
     else:
         content = packed(columns) if form == ".npy" else text(columns)
     write_file(target, content)

@@ -28,7 +28,10 @@ def contents(path: str | Path) -> dict[str, bytes]:
     """Return all files of an FMU, name -> content."""
     path = Path(path)
     with open_archive(path, "FMU") as archive:
-        return {name: read_entry(archive, name, path, LIMIT) for name in entries(archive, path)}
+        files = {name: read_entry(archive, name, path, LIMIT) for name in entries(archive, path)}
+    if DESCRIPTION not in files:
+        raise NavfmuError(f"{path}: has no {DESCRIPTION}; expected an FMU")
+    return files
 
 
 def known(files: Iterable[str]) -> list[str]:
@@ -62,11 +65,15 @@ def replaced(files: Mapping[str, bytes], name: str, table: Mapping[str, np.ndarr
     ``what`` the files are begins the sentence of what is wrong."""
     from lxml import etree
 
-    if not re.fullmatch(r"\w[\w.-]*", name):
-        raise NavfmuError(f"{what}: '{name}' cannot be the name of a table; expected letters, digits, '_', '-' and '.'")
+    if not re.fullmatch(r"\w[\w.-]*", name) or ".." in name:
+        raise NavfmuError(
+            f"{what}: '{name}' cannot be the name of a table; expected letters, digits, '_', '-' and single '.'"
+        )
     files = {**files, _file(name): packed(table)}
     digest = hashlib.sha256(b"".join(each.encode() + files[_file(each)] for each in known(files))).hexdigest()
     root = parse(files[DESCRIPTION], f"{what}: {DESCRIPTION}")
+    if not root.get("guid"):
+        raise NavfmuError(f"{what}: {DESCRIPTION}: has no guid; expected an FMU of FMI 2.0")
     root.set("guid", f"{root.get('guid').split('.')[0]}.{digest[:16]}")
     files[DESCRIPTION] = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return files

@@ -134,6 +134,7 @@ def test_what_cannot_be_done_is_told(fmus, tmp_path):
     hill, bare = fmus
     csv, other = tmp_path / "a.csv", tmp_path / "o.fmu"
     csv.write_text("time (s),height (ft)\n0,1\n")
+    wrote(hill, "profile", "--out", tmp_path / "good.csv")
     refused(
         "has no table 'profil'; its tables are: air, field, profile; did you mean 'profile'?",
         hill,
@@ -142,11 +143,25 @@ def test_what_cannot_be_done_is_told(fmus, tmp_path):
         csv,
     )
     refused("has no table 'x'; its tables are: none", bare, "x", "--out", csv)
+    for name in ("", "a..b"):  # would be that of the table itself, and one that no string may name
+        given = ("--from", tmp_path / "good.csv", "--as", name, "--out", other)
+        refused(f"'{name}' cannot be the name of a table", hill, "profile", *given)
+    foreign = tmp_path / "foreign.fmu"
+    for content, sentence in (
+        (
+            {"modelDescription.xml": "<fmiModelDescription fmiVersion='3.0'/>"},
+            "has no guid; expected an FMU of FMI 2.0",
+        ),
+        ({}, "foreign.fmu: has no modelDescription.xml; expected an FMU"),
+    ):
+        with zipfile.ZipFile(hill) as one, zipfile.ZipFile(foreign, "w") as archive:
+            for path, data in ({"resources/profile.npy": one.read("resources/profile.npy")} | content).items():
+                archive.writestr(path, data)
+        refused(sentence, foreign, "profile", "--from", tmp_path / "good.csv", "--out", other)
     refused("which table? Its name is missing", hill, "--out", csv)
     refused("--out is missing, the file to write", hill, "profile")
     refused("--as b names a file within an FMU", hill, "profile", "--as", "b", "--out", tmp_path / "b.npy")
     refused("expected .csv or .npy at its end", hill, "profile", "--out", other)
-    wrote(hill, "profile", "--out", tmp_path / "good.csv")
     refused(
         "'../b' cannot be the name of a table",
         hill,
