@@ -9,6 +9,7 @@ outputs whose names match.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -58,10 +59,30 @@ def subscript(name: str) -> tuple[int, ...]:
 
 def folded(names: Iterable[str]) -> list[str]:
     """Names for people: one for all elements of an array, and one for a member of all bundles of an array."""
-    groups: dict[str, list[str]] = {}
-    for name in names:
-        groups.setdefault(re.sub(_SUBSCRIPT, "[]", array(name)), []).append(array(name))
-    return [_between(group[0], group[-1]) for group in groups.values()]
+    groups: dict[str, dict[tuple[int, ...], str]] = {}
+    for name in map(array, names):
+        pattern = re.sub(_SUBSCRIPT, lambda at: re.sub(r"\d+", "", at[0]), name)
+        groups.setdefault(pattern, {})[_numbers(name)] = name
+    return [text for group in groups.values() for text in _ranges(group)]
+
+
+def _numbers(name: str) -> tuple[int, ...]:
+    """All indices in a name: (2, 1) of "station[2].bias[1]"."""
+    return tuple(int(number) for part in re.findall(_SUBSCRIPT, name) for number in re.findall(r"\d+", part))
+
+
+def _ranges(group: Mapping[tuple[int, ...], str]) -> list[str]:
+    """Names that differ in indices: from the first to the last where all between are there, else runs of them."""
+    ends = [(min(numbers), max(numbers)) for numbers in zip(*group, strict=True)]
+    if math.prod(last - first + 1 for first, last in ends) == len(group):
+        return [_between(group[tuple(first for first, _ in ends)], group[tuple(last for _, last in ends)])]
+    runs: list[list[tuple[int, ...]]] = []
+    for numbers in sorted(group):
+        if runs and runs[-1][-1] == (*numbers[:-1], numbers[-1] - 1):
+            runs[-1].append(numbers)
+        else:
+            runs.append([numbers])
+    return [_between(group[run[0]], group[run[-1]]) for run in runs]
 
 
 def _between(first: str, last: str) -> str:
@@ -82,7 +103,7 @@ def hint(name: str, known: Iterable[str]) -> str:
     ranges = [other for other in known if "[" in wanted and re.sub(_SUBSCRIPT, "[]", other) == wanted]
     if not ranges:
         return nearest(name, known)
-    first, last = (end(ranges, key=lambda other: [*map(int, re.findall(r"\d+", other))]) for end in (min, max))
+    first, last = (end(ranges, key=_numbers) for end in (min, max))
     return f"; indices go from '{first}' to '{last}'"
 
 

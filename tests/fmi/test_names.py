@@ -114,7 +114,16 @@ def test_arrays_of_bundles_are_no_arrays_of_numbers():
 def test_names_are_folded_for_people():
     found = [f"{name}[{i}]{rest}" for i in (1, 2, 3) for name, rest in (("s", ".valid"), ("s", ".bias[1]"), ("x", ""))]
     assert names.folded(found) == ["s[1…3].valid", "s[1…3].bias", "x"]
-    assert names.folded(["m[1,1].a", "m[2,3].a", "s[2].b", "y"]) == ["m[1,1…2,3].a", "s[2].b", "y"]
+    matrix = [f"m[{i},{j}].a" for i in (1, 2) for j in (1, 2, 3)]
+    assert names.folded([*matrix, "s[2].b", "y"]) == ["m[1,1…2,3].a", "s[2].b", "y"]
+
+
+def test_names_between_which_some_are_not_there_are_not_folded_to_one():
+    """Whatever their order. Catches 1…4 for a system that connects 1, 2 and 4, and 2…1."""
+    assert names.folded([f"s[{i}].valid" for i in (4, 2, 1)]) == ["s[1…2].valid", "s[4].valid"]
+    assert names.folded(["s[2].a", "s[1].a"]) == ["s[1…2].a"]
+    assert names.folded([f"m[{i},{j}].a" for i, j in ((1, 1), (2, 1), (2, 2))]) == ["m[1,1].a", "m[2,1…2,2].a"]
+    assert names.folded(["s[1].a", "s[1,2].a"]) == ["s[1].a", "s[1,2].a"]
 
 
 def test_indices_that_there_are_not_get_a_range_and_other_names_the_nearest():
