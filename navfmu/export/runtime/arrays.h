@@ -6,13 +6,13 @@
 
 /* Not compiled in place: it is long, and called often. */
 #ifdef __GNUC__
-#define CALLED __attribute__((noinline))
+#define CALLED __attribute__((noinline, unused))
 #else
 #define CALLED
 #endif
 
 /* The sum of n numbers that lie a step apart, in the order in which NumPy adds what lies side by side. */
-CALLED static inline double sum(const double *x, int n, int step) {
+CALLED static double sum(const double *x, int n, int step) {
     if (n < 8) {
         double total = x[0];
         for (int i = 1; i < n; i++) total += x[i * step];
