@@ -65,10 +65,9 @@ class Frame:
             self.fail(f"'{name}' is of causality {variable.causality} and cannot be assigned")
         if isinstance(value, str):
             items = dict(variable.enumeration.items) if variable.enumeration else {}
-            told = ", expected the number of an item: " + ", ".join(f"{n} for '{item}'" for item, n in items.items())
-            self.fail(
-                f"'{variable.at(place)}' is assigned the text '{value}'{told if items else ', expected a number'}"
-            )
+            numbers = ", ".join(f"{number} for '{item}'" for item, number in items.items())
+            expected = f"the number of an item: {numbers}" if items else "a number"
+            self.fail(f"'{variable.at(place)}' is assigned the text '{value}', expected {expected}")
         self.check_shape(name, value, place)
         self.current[name] = self.convert(variable, _replaced(self.read(name), place, value) if place else value)
         self.assigned.add(name)

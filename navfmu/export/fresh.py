@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from navfmu.export.chance import stand_ins
 from navfmu.export.rules import refuse
 from navfmu.export.traced import Traced, contains_traced, objects, wrapped
 from navfmu.place import is_foreign
@@ -96,11 +97,14 @@ _TRACED |= {"full": _full, "full_like": _full_like}
 
 @contextmanager
 def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
-    """Let arrays be traced that code makes, in the modules also where it has NumPy's functions by names of its own.
+    """Let arrays be traced that code makes, in the modules also where it has NumPy's functions by names of its own, and
+    let no random numbers be drawn there.
 
     What a function keeps (``functools.cache``) is made of constants and stays as NumPy has it: it outlives the trace.
     """
+    modules = list(modules)
     places: list[tuple[Any, str, Any, Any]] = [(np, name, _ORIGINALS[name], _TRACED[name]) for name in _ORIGINALS]
+    places += stand_ins(modules)
     for module in modules:
         for alias, value in vars(module).items():
             name = next((name for name, original in _ORIGINALS.items() if value is original), None)

@@ -4,7 +4,7 @@ A model is called with traced arrays (``traced.py``). Constants are folded and n
 traced function does the operations of the NumPy code in the order of the NumPy code.
 
 What cannot be traced (a value-dependent ``if``, ``float()``, ``math.sin``, a traced value stored in a float array)
-raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing becomes a silent NaN.
+raises :class:`~navfmu.errors.NavfmuError` with file, line and remedy; nothing becomes a silent NaN or constant.
 """
 
 from __future__ import annotations

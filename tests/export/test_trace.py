@@ -2,6 +2,7 @@
 
 import math
 import os
+import random
 import subprocess
 import sys
 import threading
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import scipy.special
 from numpy import array as array_by_name
+from numpy.random import random as drawn_by_name
 
 from evidence.compiled import compiled
 from evidence.compiled import traced as only_traced
@@ -325,6 +327,8 @@ def _branch(a):
     return 1.0 if a[0] > 0 else 2.0
 
 
+CHANCE = np.random.default_rng(7)
+
 REFUSED = {
     "if on a value": (_branch, "np.where"),
     "and, or, not": (lambda a: a[0] > 0 and a[1] > 0, "np.logical_and"),
@@ -354,6 +358,11 @@ REFUSED = {
     "pseudoinverse": (lambda a: np.linalg.pinv(np.outer(a, a)), "np.linalg.solve(A.T @ A, A.T)"),
     "search in numbers": (lambda a: np.searchsorted(np.arange(4.0), a), "Table"),
     "function of another library": (lambda a: scipy.special.erf(a), "functions that can"),
+    "random number": (lambda a: a + np.random.standard_normal(3), "noise(n)"),  # noqa: NPY002
+    "random number of a generator": (lambda a: a + CHANCE.normal(size=3), "noise(n)"),
+    "random number of Python": (lambda a: a + random.gauss(0.0, 1.0), "noise(n)"),
+    "random numbers with a seed": (lambda a: a + np.random.default_rng(7).normal(size=3), "outside of functions"),
+    "random number by a name of its own": (lambda a: a * drawn_by_name(), "noise(n)"),  # noqa: NPY002
     "comparison with a text": (lambda a: a[0] == "track", "IntEnum"),
     "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
     "where with one argument": (lambda a: np.where(a > 0), "both branches"),
@@ -425,3 +434,14 @@ def test_two_threads_that_trace_at_once_leave_numpy_as_it_was():
         thread.join(10.0)
     assert inside == ["first", "second"]
     assert (np.array, np.full) == originals
+
+
+@cache
+def _some_constants():
+    return np.random.default_rng(7).normal(size=3) + CHANCE.normal(size=3) * 0.0
+
+
+def test_random_numbers_that_a_function_keeps_are_constants():
+    assert np.array_equal(traced(lambda a: a + _some_constants(), A), A + _some_constants())
+    assert CHANCE.random() != CHANCE.random(), "the generator of the module is back"
+    assert drawn_by_name is np.random.random
