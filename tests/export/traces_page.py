@@ -83,14 +83,18 @@ def _refused() -> Iterable[str]:
     yield ""
     yield "Each begins with the file and the line of the model."
     yield ""
-    yield "| what | code | sentence |"
-    yield "|---|---|---|"
+    yield "| what | sentence |"
+    yield "|---|---|"
     codes = dict(_sources("REFUSED"))
+    alike: dict[str, list[str]] = {}
     for title, (function, _) in test_trace.REFUSED.items():
         try:
             traced(function, [test_trace.A])
         except NavfmuError as error:
-            yield f"| {title} | {codes[title]} | {_cell(str(error).partition(': ')[2])} |"
+            sentence = _cell(str(error).partition(": ")[2])
+            alike.setdefault(sentence, []).append(f"{title}: {codes[title]}")
+    for sentence, what in alike.items():
+        yield f"| {'<br>'.join(what)} | {sentence} |"
 
 
 def _sources(name: str) -> Iterable[tuple[str, str]]:
@@ -118,7 +122,12 @@ def _sources(name: str) -> Iterable[tuple[str, str]]:
 
 def _code(node: ast.AST) -> str:
     lines = ast.unparse(node).splitlines()
-    return "<br>".join(f"`{_cell(line)}`" for line in lines)
+    return "<br>".join(f"`{_indent(line)}{_cell(line)}`" for line in lines)
+
+
+def _indent(line: str) -> str:
+    """Return the indentation of a line in spaces that a page keeps."""
+    return "\N{NO-BREAK SPACE}" * (len(line) - len(line.lstrip()))
 
 
 def _cell(text: str) -> str:
