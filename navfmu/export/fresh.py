@@ -40,11 +40,13 @@ def _array(name: str) -> Callable:
     original = _ORIGINALS[name]
 
     def function(*args: Any, **kwargs: Any) -> Any:
-        if args and contains_traced(args[0]):
-            value = wrapped(objects(args[0]))
-            dtype = kwargs.get("dtype", args[1] if len(args) > 1 else None)
-            return value if dtype is None or np.dtype(dtype).kind == "O" else value.astype(dtype)
-        return original(*args, **kwargs)
+        if not args or not contains_traced(args[0]):
+            return original(*args, **kwargs)
+        value = args[0]
+        same = isinstance(value, Traced) and (name != "array" or not kwargs.get("copy", True))
+        value = value if same else wrapped(objects(value))
+        dtype = kwargs.get("dtype", args[1] if len(args) > 1 else None)
+        return value if dtype is None or np.dtype(dtype).kind == "O" else value.astype(dtype, copy=False)
 
     return function
 
@@ -63,7 +65,7 @@ def _full_like(a: Any, fill_value: Any, dtype: Any = None, **kwargs: Any) -> Any
 
 def _filled_later(array: np.ndarray, unset: bool = False) -> Any:
     """Return a new array of constants as a traced one, if the model made it and traced values may come into it."""
-    if array.dtype.kind not in "fb" or is_foreign(sys._getframe(2).f_code.co_filename):
+    if array.dtype not in (float, bool) or is_foreign(sys._getframe(2).f_code.co_filename):
         return array
     values = array.astype(object)
     if unset and array.dtype.kind == "f":

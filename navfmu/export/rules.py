@@ -54,7 +54,7 @@ class Scalar:
         refuse(
             "a traced value has no float value (float(), math.*, or storing it in a float array)",
             "use NumPy functions instead of float() and math.*, and store in arrays that the function makes itself, "
-            "with np.array([...]) or np.zeros",
+            "with np.zeros (np.zeros(b.shape) + b is b with room for them), or make one of them with np.array([...])",
         )
 
     def __int__(self) -> int:

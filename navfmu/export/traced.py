@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -75,8 +76,10 @@ def filled(shape: tuple[int, ...], elements: list) -> Traced:
 def wrapped(x: Any) -> Any:
     if isinstance(x, Scalar):
         return built((), [x])
-    if isinstance(x, np.ndarray):
-        return built(x.shape, objects(x).ravel().tolist()) if x.dtype == object else x
+    if isinstance(x, np.ndarray) and x.dtype == object:
+        found = built(x.shape, objects(x).ravel().tolist())
+        same = all(map(operator.is_, found.ravel().tolist(), x.ravel().tolist()))
+        return x if same and isinstance(x, Traced) else found  # a view stays one: what is assigned to it is seen
     if isinstance(x, tuple | list):
         return type(x)(wrapped(e) for e in x)
     return x
@@ -195,9 +198,13 @@ class Traced(np.ndarray):
     def __hash__(self) -> int:
         refuse("a traced value cannot be a key of a dict or set", "select with np.where")
 
-    def astype(self, dtype: Any, *args: Any, **kwargs: Any) -> Traced:
+    def astype(
+        self, dtype: Any, order: Any = "K", casting: Any = "unsafe", subok: bool = True, copy: Any = True
+    ) -> Any:
         """Convert between truth values, whole numbers and real numbers."""
         kind = np.dtype(dtype).kind
+        if not copy and np.dtype(dtype) == type_of(self):
+            return self
         elements = self.ravel().tolist()
         if kind == "b":
             return at_each_place(truth, [elements], self.shape)
@@ -213,6 +220,10 @@ class Traced(np.ndarray):
         if self.ndim or np.ndim(exponent) or isinstance(exponent, Traced):
             return np.power(self, exponent)
         return built((), [scalar_power(self._only(), unwrapped(exponent))])
+
+    def fill(self, value: Any) -> None:
+        """Set all elements."""
+        self[...] = value
 
     def dot(self, other: Any) -> Traced:
         """Matrix product."""
@@ -252,6 +263,15 @@ class Traced(np.ndarray):
     nonzero = _refused("nonzero", "select with np.where")
     searchsorted = _refused("searchsorted", "look the row up with a Table")
 
+
+def _in_place(name: str) -> Callable:
+    """Return ``x += y`` and its kin: a lone number gets a new one, as NumPy's do, where an array is changed."""
+    new, changed = getattr(operator, name), getattr(np.ndarray, f"__i{name.strip('_')}__")
+    return lambda self, other: changed(self, other) if self.ndim else new(self, other)
+
+
+for _name in "add sub mul truediv floordiv mod pow matmul and_ or_ xor".split():
+    setattr(Traced, f"__i{_name.strip('_')}__", _in_place(_name))
 
 _ARRAY = np.array
 

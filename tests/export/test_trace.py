@@ -80,6 +80,10 @@ EXACT = {
     "constant mask": (lambda v: v[np.arange(37) % 5 == 0], V),
     "item assignment in own arrays": (lambda a, s: _assigned(a, s), A, S),
     "add in place": (lambda a, s: _accumulated(a, s), A, S),
+    "a total that goes on, kept as it was": (lambda a: _totals(a), A),
+    "views by functions, assigned to": (lambda v: _through_functions(v), V),
+    "the array itself, assigned to": (lambda a: _the_same(a), A),
+    "filled": (lambda a: _all_at_once(a), A),
     "where": (lambda a, b: np.where(a > b, a, 1.0) + np.where(np.array([True, False, True]), a, b), A, B),
     "where guards": (lambda a: np.where(a > 0, np.sqrt(np.where(a > 0, a, 1.0)), 7.0), A),
     "select": (lambda a: np.select([a > 0.5, a > 0], [a, 2 * a], default=-1.0), A),
@@ -236,6 +240,47 @@ def _accumulated(a, s):
     return b + c
 
 
+def _totals(a):
+    """A number is no place: += gives a new one."""
+    total, found = 0.0, []
+    for x in a:
+        total += x
+        found.append(total)
+    first = last = np.sum(a)
+    last *= 2.0
+    count = more = np.sum(a > 0.0)
+    more += 0.5
+    return np.array([*found, first, last, count, more])
+
+
+def _through_functions(v):
+    b = 2.0 * v[:36]
+    np.ravel(b)[0] = 1.0
+    np.reshape(b, (6, 6))[1] = 2.0
+    np.transpose(np.reshape(b, (6, 6)))[3, 2] = 3.0
+    np.squeeze(b[None])[4] = 4.0
+    np.flip(b)[0] = 5.0
+    np.split(b, 2)[1][5] = 6.0
+    np.swapaxes(np.expand_dims(b, 0), 0, 1)[6] = 7.0
+    np.moveaxis(np.atleast_2d(b), 0, 1)[-7] = 8.0
+    return b
+
+
+def _the_same(a):
+    b = 2.0 * a
+    np.asarray(b)[0] = 1.0
+    b.astype(float, copy=False)[1] = 2.0
+    np.array(b)[2] = b.astype(float)[2] = np.copy(b)[2] = 3.0
+    return b
+
+
+def _all_at_once(a):
+    b = np.zeros(3)
+    b.fill(a[0])
+    b[0] += 1.0
+    return b
+
+
 @pytest.fixture(scope="module")
 def native():
     """The functions of both tables, compiled."""
@@ -318,6 +363,12 @@ def _add_to_float_array(a):
     b += a
 
 
+def _store_narrow(a):
+    """What comes back out of it would have other bits."""
+    b = np.zeros(3, np.float32)
+    b[:] = a
+
+
 def _values_for_a_mask(a):
     b = 2.0 * a
     b[a > 0] = a
@@ -347,6 +398,7 @@ REFUSED = {
     "store in an array that is there before": (_store, "np.array([...])"),
     "store in a slice of it": (_store_slice, "np.array([...])"),
     "add to it": (_add_to_float_array, "x = x + y"),
+    "store in an array of 32 bits": (_store_narrow, "np.zeros"),
     "read before it is assigned": (lambda a: np.empty(3) + a, "np.zeros"),
     "values for a mask": (_values_for_a_mask, "np.where"),
     "inverse of what is not square": (lambda a: np.linalg.inv(np.outer(a, a)[:2]), "(n, n)"),
