@@ -74,13 +74,14 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """A function of the model. Its results are nodes over ``element("p<k>", i)``, the numbers of its k-th operand.
+    """A function of the model. Its results are nodes over the numbers of its operands, elements of ``vectors``.
 
     ``before`` is what routines in it are given besides, which has the same name where it is called. ``about`` says what
     function it is and what its operands are called there.
     """
 
     name: str
+    vectors: tuple[str, ...]
     results: tuple[Node, ...]
     before: tuple[str, ...] = ()
     about: str = ""

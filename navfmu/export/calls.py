@@ -1,8 +1,8 @@
 """Functions of the model that are called with arrays: where arrays are kept whole, each is traced once and called.
 
 A function is compiled for arguments of certain shapes and kinds and certain constants; the same ones again are a call
-of the same code. What cannot be a call (a function that changes its arguments, is given an object, or decides by a
-value that is known only where it is called) is traced in its place, as if it stood there.
+of the same code. What cannot be a call (a function that changes its arguments, is given an object, returns a view of
+one, or decides by a value that is known only where it is called) is traced in its place, as if it stood there.
 """
 
 from __future__ import annotations
@@ -10,24 +10,27 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from types import FunctionType, ModuleType
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export import arrays, wholes
 from navfmu.export.extent import FEWER, LEAST, TooLong, current, shortest
-from navfmu.export.graph import Array, Node, element
+from navfmu.export.graph import Array, Node, element, is_inexact, vectors_read
 from navfmu.export.graph import number as constant
 from navfmu.export.rules import Scalar, expression
 from navfmu.export.traced import Traced, expressions, symbols, type_of
 
 #: A function of fewer operations is not worth a call.
 _FEW = 24
+
+_recorded: WeakSet[Callable] = WeakSet()  # functions that stand for others while tracing
 
 
 class _NoCall(Exception):
@@ -36,11 +39,13 @@ class _NoCall(Exception):
 
 @dataclass(frozen=True)
 class _Given:
-    """A traced argument or result: its shape, its kind ("f", "i" or "b"), and whether it is a lone element."""
+    """A traced argument or result: its shape, its kind ("f", "i" or "b"), and whether it is a lone element; or numbers
+    that are known where the function is called."""
 
     shape: tuple[int, ...]
     kind: str
     lone: bool
+    known: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,18 @@ class _Recorded:
     numbers: tuple[
         int | float | tuple[int, int], ...
     ]  # of each: its place in the call's, an operand and place, or itself
+
+
+class _Arguments:
+    """What is met in a tree, in order: what is traced, and all arrays. Real numbers that are known are taken for traced
+    ones, in arrays of at least ``least``."""
+
+    def __init__(self, tree: Any, known: Iterable[np.ndarray] = (), least: float = math.inf) -> None:
+        self.least = least
+        self.leaves: list[Any] = []
+        self.arrays: list[np.ndarray] = []
+        self.known = {id(array): k for k, array in enumerate(known)}
+        self.tree = _taken(tree, self)
 
 
 def recorded(function: FunctionType) -> Callable:
@@ -66,11 +83,13 @@ def recorded(function: FunctionType) -> Callable:
         except _NoCall:
             return function(*args, **kwargs)
 
+    _recorded.add(called)
     return called
 
 
 def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
-    found, leaves = _found(function, (args, kwargs))
+    found, given = _found(function, (args, kwargs))
+    leaves = given.leaves
     columns = [[leaf] if isinstance(leaf, Scalar) else leaf.view(np.ndarray).ravel().tolist() for leaf in leaves]
     operands = [wholes.operand(column) if len(column) == 1 else wholes.block(column) for column in columns]
     array = Array(found.how, len(found.how.results), operands)
@@ -89,57 +108,61 @@ def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
         result[:] = numbers
         return result.reshape(given.shape).view(Traced)
 
-    return _given(found.tree, filled)
+    return _given(found.tree, filled, given.arrays)[0]
 
 
-def _found(function: FunctionType, given: Any) -> tuple[_Recorded, list[Any]]:
+def _found(function: FunctionType, given: Any) -> tuple[_Recorded, _Arguments]:
     """Return what was recorded of a function for such arguments, and the arrays and numbers that are passed.
 
     Arrays of constants are passed as others are, or each would make a copy of the function; they are part of it where
     it cannot be traced without knowing them.
     """
     known = current().functions
-    if not _leaves(given, constants=False)[1]:
+    if not _Arguments(given).leaves:
         raise _NoCall
-    for constants in (True, False):
-        tree, leaves = _leaves(given, constants)
-        key = function, tree
+    for least in (LEAST, math.inf):
+        met = _Arguments(given, least=least)
+        key = function, met.tree
         if key not in known:
             known[key] = None  # also while it is traced: one that calls itself is no call
-            known[key] = _record(function, tree, len(known))
+            known[key] = _record(function, met.tree, len(known))
         if (found := known[key]) is not None:
-            return found, leaves
+            return found, met
     raise _NoCall
-
-
-def _leaves(given: Any, constants: bool) -> tuple[Any, list[Any]]:
-    """Return a tree that can be a key, and what is left out there; arrays of constants too if that is wanted."""
-    leaves: list[Any] = []
-    return _taken(given, leaves, LEAST if constants else math.inf), leaves
 
 
 def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
     """Trace a function with symbols in place of its arguments; None if it has to be traced where it is called."""
 
     def run() -> tuple[list[Node], Any]:
-        serial = iter(range(1_000_000))
+        places.clear()
+        constants: set[str] = set()
 
         def parameter(given: _Given, _: int) -> Any:
-            vector = symbols(f"p{next(serial)}", given.kind * math.prod(given.shape))
+            name = f"p{len(places)}_{number}"
+            places[name] = len(places)
+            if given.known:
+                constants.add(name)
+            vector = symbols(name, given.kind * math.prod(given.shape))
             current().meet(vector.size)
-            if given.lone:
-                return vector.view(np.ndarray)[0]
-            vector = vector.reshape(given.shape)
-            vector.setflags(write=False)
-            return vector
+            return vector.view(np.ndarray)[0] if given.lone else vector.reshape(given.shape)
 
-        args, kwargs = _given(tree, parameter)
-        before = _held(args), _held(kwargs)
-        leaves: list[Any] = []
-        result = _taken(function(*args, **kwargs), leaves)
-        if before != (_held(args), _held(kwargs)):
+        (args, kwargs), made = _given(tree, parameter)
+        for array in made:
+            array.setflags(write=False)
+        alive: list[Any] = []
+        before = _held((args, kwargs), alive)
+        result = _Arguments(function(*args, **kwargs), made)
+        if before != _held((args, kwargs), alive) or _overlap(result.arrays, made):
             raise _NoCall
-        return [node for leaf in leaves for node in expressions(leaf)], result
+        nodes = [node for leaf in result.leaves for node in expressions(leaf)]
+        if not vectors_read(nodes) <= places.keys():  # it knows traced values that it was not given
+            raise _NoCall
+        if is_inexact(nodes, constants):  # NumPy does that where it is traced in place
+            raise _NoCall
+        return nodes, result.tree
+
+    places: dict[str, int] = {}  # the vectors that stand for the arguments, by their names
 
     try:
         (nodes, result), used = shortest(run, f"function {function.__name__}", current().functions, FEWER)
@@ -153,25 +176,30 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
         if node.op == "number":
             numbers.append(node.of[0])
         elif node.op == "element" and isinstance(node.of[0], str):
-            numbers.append((int(node.of[0][1:]), node.of[1]))
+            numbers.append((places[node.of[0]], node.of[1]))
         else:
             numbers.append(len(results))
             results.append(node)
     if not results:
         return None
-    name = re.sub(r"\W", "_", f"{function.__module__.rpartition('.')[2]}_{function.__name__}_{number}")
-    return _Recorded(arrays.Call(name, tuple(results), about=_about(function, tree)), result, tuple(numbers))
+    name = re.sub(r"\W", "_", f"{function.__module__.rpartition('.')[2]}_{function.__name__}_{number}", flags=re.ASCII)
+    return _Recorded(
+        arrays.Call(name, tuple(places), tuple(results), about=_about(function, tree, list(places))),
+        result,
+        tuple(numbers),
+    )
 
 
-def _about(function: FunctionType, tree: Any) -> str:
-    """Return "ins.moved: p0 is x (24,), p1 is nominal[0] (3,)": the operands in the order in which they are passed."""
+def _about(function: FunctionType, tree: Any, vectors: Sequence[str]) -> str:
+    """Return "ins.moved: p0_7 is x (24,), p1_7 is nominal[0] (3,)": the operands in the order in which they are
+    passed."""
     args, kwargs = tree.items
     named = inspect.signature(function).bind_partial(*args.items).arguments if args.items else {}
     told: list[str] = []
 
     def tell(name: str, tree: Any) -> None:
         if isinstance(tree, _Given):
-            told.append(f"p{len(told)} is {name}{f' {tree.shape}'.replace(', ', ',') if tree.shape else ''}")
+            told.append(f"{vectors[len(told)]} is {name}{f' {tree.shape}'.replace(', ', ',') if tree.shape else ''}")
         elif isinstance(tree, _Container):
             for key, item in zip(tree.keys or range(len(tree.items)), tree.items, strict=True):
                 tell(f"{name}[{key}]", item)
@@ -185,22 +213,39 @@ def _about(function: FunctionType, tree: Any) -> str:
     return f"{function.__module__.rpartition('.')[2]}.{function.__name__}: {', '.join(told)}"
 
 
-def _held(tree: Any) -> Any:
-    """Return what containers hold, by identity, so that it is seen whether one was changed."""
+def _held(tree: Any, alive: list[Any]) -> Any:
+    """Return what containers hold, by identity, so that it is seen whether one was changed; what is ``alive`` has it
+    alone."""
     if isinstance(tree, list | tuple):
-        return [_held(item) for item in tree]
+        return [_held(item, alive) for item in tree]
     if isinstance(tree, dict):
-        return {key: _held(item) for key, item in tree.items()}
+        return {key: _held(item, alive) for key, item in tree.items()}
+    alive.append(tree)
     return id(tree)
+
+
+def _overlap(results: list[np.ndarray], given: list[np.ndarray]) -> bool:
+    """Whether what is assigned to one array of the results would be seen in another, or in an argument."""
+    ours, theirs = ([array.view(np.ndarray) for array in arrays] for arrays in (results, given))
+    return any(np.may_share_memory(one, other) for k, one in enumerate(ours) for other in [*ours[k + 1 :], *theirs])
 
 
 @dataclass(frozen=True)
 class _Constant:
-    """An array of constants among arguments, by its numbers."""
+    """An array of constants, by its numbers, or one of NumPy's numbers; ``traced`` is an array that can get others."""
 
     dtype: str
     shape: tuple[int, ...]
     content: bytes
+    array: bool
+    traced: bool = False
+
+
+@dataclass(frozen=True)
+class _Same:
+    """A result that is one of the arrays of the arguments."""
+
+    place: int
 
 
 @dataclass(frozen=True)
@@ -210,30 +255,42 @@ class _Container:
     items: tuple
 
 
-def _taken(tree: Any, leaves: list[Any], least: float = math.inf) -> Any:
-    """Return a tree that can be a key, with what is traced in it replaced; that is appended to the leaves. So are real
-    numbers that are known, in arrays of at least ``least``."""
-    if isinstance(tree, Traced | Scalar):
-        leaves.append(tree)
-        if isinstance(tree, Scalar):
-            return _Given((), tree.kind, True)
+def _taken(tree: Any, met: _Arguments) -> Any:
+    """Return a tree that can be a key, with what is traced in it replaced; that is met."""
+    if isinstance(tree, np.ndarray):
+        if id(tree) in met.known:
+            return _Same(met.known[id(tree)])
+        met.arrays.append(tree)
+    if isinstance(tree, Scalar):
+        met.leaves.append(tree)
+        return _Given((), tree.kind, True)
+    if isinstance(tree, Traced):
         elements = tree.view(np.ndarray).ravel().tolist()
         if not any(type(e) is Scalar for e in elements):
-            leaves.pop()
-            return _taken(np.array(elements, type_of(elements)).reshape(tree.shape), leaves, least)
+            numbers = np.array(elements, type_of(elements))
+            if numbers.dtype == float and numbers.size >= met.least:
+                met.leaves.append(tree)
+                return _Given(tree.shape, "f", False, known=True)
+            return _Constant(numbers.dtype.str, tree.shape, numbers.tobytes(), True, True)
+        met.leaves.append(tree)
         kind = {float: "f", int: "i", bool: "b"}[type_of(elements)]
         return _Given(tree.shape, kind, False)
-    if tree is None or isinstance(tree, bool | int | float | str | FunctionType | type | slice) or tree is Ellipsis:
+    if isinstance(tree, FunctionType) and tree not in _recorded and (tree.__closure__ or tree.__defaults__):
+        raise _NoCall  # it may know traced values
+    if tree is None or isinstance(tree, bool | int | float | str | FunctionType | type) or tree is Ellipsis:
         return _Number(type(tree), repr(tree)) if isinstance(tree, float) else _Plain(type(tree), tree)
-    if isinstance(tree, np.ndarray) and tree.dtype == float and tree.size >= least:
-        leaves.append(tree)
-        return _Given(tree.shape, "f", False)
+    if isinstance(tree, slice):
+        return _Container(slice, (), tuple(_taken(item, met) for item in (tree.start, tree.stop, tree.step)))
+    if isinstance(tree, np.ndarray) and tree.dtype == float and tree.size >= met.least:
+        met.leaves.append(tree)
+        return _Given(tree.shape, "f", False, known=True)
     if isinstance(tree, np.ndarray | np.generic) and tree.dtype != object:
-        return _Constant(tree.dtype.str, np.shape(tree), np.ascontiguousarray(tree).tobytes())
+        content = np.ascontiguousarray(tree).tobytes()
+        return _Constant(tree.dtype.str, np.shape(tree), content, isinstance(tree, np.ndarray))
     if type(tree) in (list, tuple) or (isinstance(tree, tuple) and hasattr(tree, "_fields")):
-        return _Container(type(tree), (), tuple(_taken(item, leaves, least) for item in tree))
+        return _Container(type(tree), (), tuple(_taken(item, met) for item in tree))
     if type(tree) is dict:
-        return _Container(dict, tuple(tree), tuple(_taken(item, leaves, least) for item in tree.values()))
+        return _Container(dict, tuple(tree), tuple(_taken(item, met) for item in tree.values()))
     raise _NoCall
 
 
@@ -249,29 +306,37 @@ class _Number:
     text: str
 
 
-def _given(tree: Any, filled: Callable[[_Given, int], Any]) -> Any:
-    """Return what a tree stands for, with ``filled(given, first)`` for what is traced."""
+def _given(
+    tree: Any, filled: Callable[[_Given, int], Any], known: Sequence[np.ndarray] = ()
+) -> tuple[Any, list[np.ndarray]]:
+    """Return what a tree stands for, with ``filled(given, first)`` for what is traced, and the arrays in it."""
     first = 0
+    made: list[np.ndarray] = []
 
     def build(tree: Any) -> Any:
         nonlocal first
-        if isinstance(tree, _Given):
-            value = filled(tree, first)
-            first += math.prod(tree.shape)
+        if isinstance(tree, _Same):
+            return known[tree.place]
+        if isinstance(tree, _Given | _Constant):
+            if isinstance(tree, _Given):
+                value = filled(tree, first)
+                first += math.prod(tree.shape)
+            else:
+                value = np.frombuffer(tree.content, tree.dtype).reshape(tree.shape)
+                value = value.astype(object).view(Traced) if tree.traced else value.copy() if tree.array else value[()]
+            if isinstance(value, np.ndarray):
+                made.append(value)
             return value
         if isinstance(tree, _Plain):
             return tree.value
         if isinstance(tree, _Number):
             return float(tree.text)
-        if isinstance(tree, _Constant):
-            array = np.frombuffer(tree.content, tree.dtype).reshape(tree.shape)
-            return array if tree.shape else array[()]
         items = [build(item) for item in tree.items]
         if tree.type is dict:
             return dict(zip(tree.keys, items, strict=True))
-        return tree.type(*items) if hasattr(tree.type, "_fields") else tree.type(items)
+        return tree.type(*items) if tree.type is slice or hasattr(tree.type, "_fields") else tree.type(items)
 
-    return build(tree)
+    return build(tree), made
 
 
 def functions(modules: Iterable[ModuleType]) -> Iterator[tuple[ModuleType, str, FunctionType]]:

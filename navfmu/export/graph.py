@@ -193,6 +193,39 @@ def reads(array: Array) -> list[tuple[str, list[int]]]:
     return found
 
 
+def vectors_read(results: Iterable[Node]) -> set[str]:
+    """Return the names of the vectors of which the results depend on elements."""
+    found: set[str] = set()
+    for node in in_order(results):
+        sources = [operand.source for operand in node.operands] if isinstance(node, Array) else node.of[:1]
+        found.update(source for source in sources if isinstance(source, str))
+    return found
+
+
+def is_inexact(results: Iterable[Node], vectors: Container[str]) -> bool:
+    """Return whether something is calculated from elements of these vectors alone that NumPy may calculate with other
+    bits: products, sums, functions of the library."""
+    only: dict[Node, bool | None] = {}  # None: of numbers, which are of no vector
+    for node in in_order(results):
+        found = [only[n] for n in depends(node)]
+        if isinstance(node, Array):
+            found += [vector in vectors for vector, _ in reads(node)]
+        elif node.op == "element" and not depends(node):
+            found.append(node.of[0] in vectors)
+        told = [one for one in found if one is not None]
+        only[node] = all(told) if told else None
+        if only[node] and not _is_exact(node):
+            return True
+    return False
+
+
+def _is_exact(node: Node) -> bool:
+    if isinstance(node, Array):
+        formula = getattr(node.how, "formula", None)
+        return node.op == "Pack" or (node.op == "Map" and all(map(_is_exact, in_order([formula]))))
+    return node.op not in CALLS and not (node.op == "add" and any(n.op == "multiply" for n in node.of))
+
+
 def elements_used(results: Sequence[Node], vector: str) -> list[set[int]]:
     """Return, for each result, the indices of the elements of a vector that it depends on, choices included."""
     used: dict[Node, set[int]] = {}

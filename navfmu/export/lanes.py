@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from navfmu.errors import NavfmuError
-from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Run
+from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Repeat, Run
 from navfmu.export.graph import OPERATIONS, TRUTHS, Array, Node, Operand, in_order
 
 _NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "asinh": "arcsinh"}
@@ -45,9 +45,7 @@ def _helpers(results: Iterable[Node]) -> list[str]:
         for node in in_order(nodes):
             if isinstance(node, Array) and isinstance(node.how, Call) and node.how not in found:
                 visit(node.how.results)
-                found[node.how] = _function(
-                    node.how.name, [f"p{k}" for k in range(len(node.operands))], node.how.results
-                )
+                found[node.how] = _function(node.how.name, [*node.how.vectors], node.how.results)
 
     visit(results)
     return list(found.values())
@@ -130,7 +128,8 @@ def _array(array: Array, texts: dict[Node, str]) -> str:
             return f"run({rows}, {rule})"
         first = None if how.first is None else _number(how.first)
         return f"pairwise({rows}, {first})" if how.pairwise else f"fold({rows}, {first}, {rule})"
-    raise NavfmuError(f"'{how.name}' is a routine of the C runtime and has no form in lanes; run the FMU instead")
+    name = "repeat" if isinstance(how, Repeat) else how.name
+    raise NavfmuError(f"'{name}' is done by the C runtime and has no form in lanes; run the FMU instead")
 
 
 def fold(rows: np.ndarray, first: Any, rule: Callable) -> np.ndarray:

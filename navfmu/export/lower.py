@@ -16,7 +16,7 @@ from navfmu.export import fingerprint, ir, trace
 from navfmu.export.component import Component
 from navfmu.export.extent import MOST, current, shortest
 from navfmu.export.frame import Frame
-from navfmu.export.graph import Node, elements_used
+from navfmu.export.graph import Node, elements_used, vectors_read
 from navfmu.export.interpreter import variables
 from navfmu.export.layout import Layout
 from navfmu.export.numbers import Numbers
@@ -128,9 +128,11 @@ def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
     arguments = (*task.element, *([frame.noise] if task.uses_noise else []))
     _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
     targets, values = frame.changes()
-    if trace.repetition.changes_others(values):
+    if vectors_read(values) - {"v", "noise", "time"}:
         layout.fail(
-            "the function of repeat changes an array outside of it; let it return what it calculates", task.place
+            "a function of the model, or of repeat, leaves what it calculates in an array or a list outside of it; let "
+            "it return what it calculates",
+            task.place,
         )
     return ir.Task(
         name=task.name,

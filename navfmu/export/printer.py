@@ -17,6 +17,7 @@ Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 WIDTH = 116  # of lines that are filled
 _SHORT = 4  # so many statements are no loop
+_DEEP = 32  # so many maps, each within the next, are one loop
 #: What routines are given besides numbers, as an argument of the functions in which they are called.
 DECLARATIONS = {"tables": "Table *tables"}
 
@@ -56,9 +57,9 @@ def c_helpers(results: Iterable[Node]) -> list[str]:
 
 def c_call(call: Call, sizes: Sequence[int]) -> str:
     """Return the C function of a call whose operands have these sizes."""
-    names = [f"p{k}" for k in range(len(sizes))]
-    values = {name for name, size in zip(names, sizes, strict=True) if size == 1}
-    text = c_function(call.name, names, call.results, values=values, others=[DECLARATIONS[b] for b in call.before])
+    values = {name for name, size in zip(call.vectors, sizes, strict=True) if size == 1}
+    others = [DECLARATIONS[b] for b in call.before]
+    text = c_function(call.name, call.vectors, call.results, values=values, others=others)
     return f"{comment(call.about)}\n{text}" if call.about else text
 
 
@@ -288,7 +289,7 @@ class _Body:
     def _vector(self, operand: Operand) -> tuple[str, int]:
         """Return the name of the vector that an operand reads, and by how much its places are shifted there."""
         if isinstance(operand.source, str):
-            return operand.source, 0
+            return f"(&{operand.source})" if operand.source in self.values else operand.source, 0
         if isinstance(operand.source, np.ndarray):
             return self._constant("double", operand.source), 0
         assert isinstance(operand.source, Array)
@@ -343,21 +344,24 @@ class _Body:
 
     def _leaves(self, array: Array) -> list[Operand]:
         """Return what a map reads, and what the maps read that are calculated within it."""
-        found: list[Operand] = []
-        for operand in array.operands:
-            found += self._leaves(operand.source) if self._within(operand) else [operand]
-        return found
+        found: dict[Operand, None] = {}
+        for operand in {o.source if self._within(o) else o: o for o in array.operands}.values():
+            found |= dict.fromkeys(self._leaves(operand.source) if self._within(operand) else [operand])
+        return list(found)
 
     def _formula(
         self, array: Array, texts: dict[Operand, str], names: dict[str, str], statements: list[str], indent: str
     ) -> str:
         """Write what a map calculates at one place, and return the text of its last operation."""
         given = []
+        within: dict[Array, str] = {}
         for operand in array.operands:
             if self._within(operand):
-                text = self._formula(operand.source, texts, names, statements, indent)
-                truth = operand.source.how.formula.op in TRUTHS
-                given.append(self._named(truth, text, names, statements, indent))
+                one = operand.source
+                if one not in within:
+                    text = self._formula(one, texts, names, statements, indent)
+                    within[one] = self._named(one.how.formula.op in TRUTHS, text, names, statements, indent)
+                given.append(within[one])
             else:
                 given.append(texts[operand] if operand in texts else self._value(operand))
         return self._formula_text(array.how.formula, given, names, statements, indent)
@@ -548,8 +552,10 @@ def _fused(order: Sequence[Node], whole: Sequence[Array]) -> set:
             if isinstance(used, Array):
                 users.setdefault(used, []).append(node)
     found = set()
+    depth: dict[Node, int] = {}  # how many maps are within a map, one in another
     for array in whole:
-        if not isinstance(array.how, Map) or len(users.get(array, ())) != 1:
+        depth[array] = 1 + max((depth[node] for node in array.of if node in found), default=0)
+        if depth[array] > _DEEP or not isinstance(array.how, Map) or len(users.get(array, ())) != 1:
             continue
         (user,) = users[array]
         if not isinstance(user, Array) or not isinstance(user.how, Map) or user.size != array.size:

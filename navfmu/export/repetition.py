@@ -59,15 +59,6 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     return _like(value, answers)
 
 
-def changes_others(results: Iterable[Node]) -> bool:
-    """Return whether some function of ``repeat`` has left what it calculates in an array outside of it."""
-    for node in in_order(results):
-        sources = [operand.source for operand in node.operands] if isinstance(node, Array) else node.of[:1]
-        if any(isinstance(source, str) and source.startswith(_OWN) for source in sources):
-            return True
-    return False
-
-
 def _parts(value: Any) -> list[Any]:
     return [leaf for part in value for leaf in _parts(part)] if isinstance(value, tuple) else [value]
 
@@ -109,7 +100,7 @@ def _converted(e: Any, kind: str) -> Any:
 
 def _call(body: _Body, sizes: list[int]) -> arrays.Call:
     """Return the function with the body's results, named after what it does: the same one where that is the same."""
-    what = tuple(body.results), tuple(sorted(body.before))
+    what = ("p0", "p1")[: len(sizes)], tuple(body.results), tuple(sorted(body.before))
     text = c_call(arrays.Call("", *what), sizes)
     name = f"repeated_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     about = "One pass of repeat: p0 is what changes, p1 what stays as it is"

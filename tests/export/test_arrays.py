@@ -8,7 +8,7 @@ from evidence.compiled import compiled, linked, traced
 from evidence.drawn import INPUTS, draw
 from evidence.drawn import inputs as drawn_inputs
 from navfmu.errors import NavfmuError
-from navfmu.export import trace
+from navfmu.export import Component, Output, Parameter, every, trace
 from navfmu.export.extent import LARGE, Extent, extent, shortest
 from navfmu.export.graph import CALLS, Array, in_order
 from navfmu.export.lanes import evaluator, numpy_source
@@ -226,14 +226,73 @@ def test_the_code_says_which_function_it_is_and_what_its_operands_are():
     made = traced(of_parts, [RNG.normal(size=19)], 8)
     (text,) = c_helpers(made.nodes)
     head, _, rest = text.partition("\n")
-    assert head == "/* test_arrays.joined: p0 is parts[0] (9,), p1 is parts[1], p2 is \\u03bb (9,). */"
-    assert "(const double *restrict p0, double p1, const double *restrict p2, double *restrict r)" in rest
+    assert head == "/* test_arrays.joined: p0_1 is parts[0] (9,), p1_1 is parts[1], p2_1 is \\u03bb (9,). */"
+    assert "(const double *restrict p0_1, double p1_1, const double *restrict p2_1, double *restrict r)" in rest
+
+
+def moved(rate, x):
+    for _ in range(8):
+        x = x + 0.1 * rate(x)
+    return x
+
+
+def as_it_came(x):
+    """One of its results is its argument, two are one array."""
+    y = x
+    for k in range(40):
+        y = y * 0.9 + k
+    return x, y, y[1:]
+
+
+def told_twice(values):
+    for _ in range(2):
+        values[0] = values[0] * 2.0
+    return smoothed(values[0], values[0])[0]
+
+
+def solved(matrix, y):
+    for _ in range(30):
+        y = (y + np.linalg.solve(matrix, y) * 0.5) / 2.0 + 1.0
+    return y
+
+
+def begun(x):
+    """An array of constants, which gets others where it was called."""
+    for k in range(40):
+        x = x * 0.9 + k
+    return np.zeros((3, 3)), x
+
+
+def last(x, some, values=tuple(range(40))):
+    for value in values:
+        x = x * 0.5 + x[some][-1] * value
+    return x
+
+
+def into_results(a):
+    b = 2.0 * a
+    same, y, rest = as_it_came(b)
+    same[0], y[1] = 7.0, 8.0
+    return np.concatenate([b, same, y, rest])
+
+
+def into_a_constant(a):
+    matrix, x = begun(a)
+    matrix[1, 2] = a[0]
+    return np.concatenate([matrix.ravel(), x])
 
 
 CALLED = {
     "a branch on an array of constants": lambda a: (
         decided(a, np.linspace(-1, 1, 20)) + decided(a, np.linspace(1, 2, 20))
     ),
+    "a function that knows traced values": lambda a: moved(lambda x: x * a[0], a) + moved(lambda x: x * a[1], a),
+    "a function with a traced default": lambda a: moved(lambda x, b=a: x * b, a),
+    "results that are assigned to": into_results,
+    "a constant that is assigned to": into_a_constant,
+    "a list that changes twice": lambda a: (lambda values: told_twice(values) + values[0])([a]),
+    "a matrix of one number": lambda a: solved(a[3:4, None] ** 2 + 1.0, a[1:2]),
+    "slices": lambda a: last(a, slice(3, 9)) + last(a, slice(None, 8, 2)),
     "a branch on a value that is constant here": lambda a: sometimes(a, 0.0) + sometimes(a, 1.0),
     "a branch on a value that is known only here": lambda a: sometimes(a, np.array([0.0, a[0]])[0]),
     "arguments that are changed": lambda a: in_place(a.copy()) * 1.0,
@@ -252,6 +311,88 @@ def test_a_call_means_what_the_function_means(name):
     a = RNG.normal(size=20)
     (one,) = compiled([(CALLED[name], [a])], 8)
     assert same(one(a), CALLED[name](a))
+
+
+def inverted(matrix, x):
+    for _ in range(30):
+        x = np.linalg.inv(matrix) @ (matrix @ matrix @ x)
+    return x
+
+
+def with_a_matrix_of_its_own(a):
+    matrix = np.eye(3) * 0.7
+    matrix += MATRIX
+    return inverted(matrix, a[:3])
+
+
+def with_a_matrix_of_the_module(a):
+    return inverted(MATRIX, a[:3])
+
+
+MATRIX = np.array([[0.8, 0.2, 0.3], [0.4, 1.2, 0.6], [0.2, 0.9, 0.8]])
+
+
+@pytest.mark.parametrize("function", [with_a_matrix_of_its_own, with_a_matrix_of_the_module])
+def test_constants_are_calculated_with_alike_in_a_call(function):
+    """By C in both, or by NumPy in both: products and inverses have other bits."""
+    a = RNG.normal(size=20)
+    single, whole = (compiled([(function, [a])], whole)[0] for whole in (np.inf, 8))
+    assert "Call" in kinds(whole)
+    assert same(single(a), whole(a))
+
+
+KEPT: dict[str, object] = {}
+
+
+def remembering(x, factor):
+    KEPT.setdefault("first", x * 2.0)
+    for _ in range(30):
+        x = x * 0.5 + KEPT["first"] * factor
+    return x
+
+
+class Remembering(Component):
+    """A function of its module keeps what it has calculated."""
+
+    name = "remembering"
+    sample_period = Parameter("s", start=0.1, min=1e-3, description="sampling period")
+    x = Output(200, "1", start=1.0, description="something")
+
+    @every("sample_period")
+    def step(self):
+        KEPT.clear()
+        self.x = remembering(self.x, 1.0) + remembering(self.x, 2.0)
+
+
+def test_what_a_function_keeps_of_its_arguments_is_refused():
+    with pytest.raises(NavfmuError, match=r"component Remembering: .* leaves what it calculates in .* outside of it"):
+        lower(Remembering)
+
+
+def test_names_in_other_letters_are_names_in_c():
+    made = traced(lambda a: größe(größe(a)), [np.zeros(20)], 8)
+    (how,) = {node.how for node in in_order(made.nodes) if node.op == "Call"}
+    assert how.name.isascii() and how.name.isidentifier()
+
+
+def größe(x):
+    for k in range(40):
+        x = np.abs(x) * 0.9 + k
+    return x
+
+
+@pytest.mark.parametrize("step", [lambda x: x * 0.5 + 1.0, lambda x: x * x], ids=["long", "twice"])
+def test_one_loop_after_the_other_takes_no_time_of_the_printer(step):
+    """Each map within the next: as deep as Python can go, and twice as much for each that is read twice."""
+
+    def chain(x):
+        for _ in range(1_000):
+            x = step(x)
+        return x
+
+    given = np.linspace(-1.0, 1.0, 9)
+    with np.errstate(under="ignore"):
+        assert same(compiled([(chain, [given])], 8)[0](given), chain(given))
 
 
 # --- how far a trace goes ---

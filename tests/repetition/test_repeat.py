@@ -318,5 +318,5 @@ def test_a_table_is_searched_in_a_loop(tmp_path):
 def test_a_body_that_fills_an_array_of_others_is_refused_when_it_is_built():
     with pytest.raises(NavfmuError) as refused:
         lower(_component(_fills))
-    sentence = "component Made: the function of repeat changes an array outside of it; let it return what it calculates"
+    sentence = "or of repeat, leaves what it calculates in an array or a list outside of it; let it return what it calc"
     assert "test_repeat.py, line " in str(refused.value) and sentence in str(refused.value)
