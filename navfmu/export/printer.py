@@ -156,13 +156,16 @@ class _Body:
             order = _calls_first(order, self.known)
         self.fused = _fused(order, whole)
         last = self._last_uses(order)
+        once = self._read_nowhere(order)
         for now, node in enumerate(order):
             if isinstance(node, Array):
                 if node not in self.known and node not in self.fused:
                     self._array(node, now, last.get(node, 0))
+            elif node in once:
+                self.texts[node] = self._stored(node, once[node])
             else:
                 self.texts[node] = self._number(node)
-        self._store()
+        self._store(set(once.values()))
         buffers = [f"    double w{k}[{size}];" for k, size in enumerate(self.buffers.sizes)]
         return [*(text for _, text in self.constants.values()), *buffers, *self.statements]
 
@@ -199,6 +202,24 @@ class _Body:
             return source if source in self.values else f"{source}[{place}]"
         return self._named(node.op in TRUTHS, _operation(node, self.texts, self.truths), self.names, self.statements)
 
+    def _read_nowhere(self, order: Sequence[Node]) -> dict[Node, int]:
+        """Return the operations that are a result once and nothing else, and which result: they need no name."""
+        places: dict[Node, list[int]] = {}
+        for i, node in enumerate(self.results):
+            places.setdefault(node, []).append(i)
+        read = {used for node in order for used in depends(node)}
+        return {
+            node: where[0]
+            for node, where in places.items()
+            if len(where) == 1 and node.op in OPERATIONS and node not in read and node not in self.known
+        }
+
+    def _stored(self, node: Node, place: int) -> str:
+        """Set a result to what an operation gives."""
+        text = _operation(node, self.texts, self.truths)
+        self.statements.append(f"    r[{place}] = {self.names.get(text, text)};")
+        return f"r[{place}]"
+
     def _named(self, truth: bool, text: str, names: dict[str, str], statements: list[str], indent: str = "    ") -> str:
         """Return the name of the value of an expression, which is calculated once."""
         if text not in names:
@@ -226,12 +247,15 @@ class _Body:
                 found[array] = i
         return found
 
-    def _store(self) -> None:
+    def _store(self, done: Container[int]) -> None:
         """Set the results; those that lie in an array at equal distances in a loop."""
         i = 0
         while i < len(self.results):
             node = self.results[i]
             array = node.of[0] if node.op == "element" and node not in self.known else None
+            if i in done:
+                i += 1
+                continue
             if not isinstance(array, Array):
                 self.statements.append(f"    r[{i}] = {self.texts[node]};")
                 i += 1

@@ -39,7 +39,7 @@ def test_what_stands_is_found_once_and_what_leads_to_it_is_not():
     assert settled(results, lambda node: False).keys() == {lone}
     text = c_function("f", ["v"], results, {node: ("fixed", place) for node, place in found.items()})
     assert "sqrt" not in text
-    assert text.count("=") == 6  # a product, a sum and a difference are left, and three results
+    assert text.count("=") == 4  # a product that a sum reads, and three results: the sum, a difference, what stands
 
 
 def test_a_parameter_that_can_be_tuned_and_what_tasks_change_are_calculated_anew():
@@ -66,3 +66,14 @@ def test_the_code_says_what_lies_where():
     assert told == ", ".join(f"{name} at {place}" for name, place in places.items())
     assert "/* Task 'estimate': r is what it assigns, state at 0, covariance at 24, " in text
     assert max(map(len, text.split("targets_0[] = {\n")[1].split("\n};")[0].splitlines())) > 100
+
+
+def test_what_is_only_a_result_has_no_name_and_is_set_where_it_is_calculated():
+    """Wrong: what is a result and an operand calculated twice, and what is a result twice set once."""
+    a, b = (element("v", i) for i in range(2))
+    total, product = Node("add", a, b), Node("multiply", a, b)
+    text = c_function("f", ["v"], [total, product, Node("sqrt", total), product, Node("less", a, b)])
+    assert "r[2] = sqrt(a0);" in text and "r[4] = v[0] < v[1];" in text
+    assert text.index("r[2]") < text.index("r[0] = a0;")
+    assert text.count("v[0] + v[1]") == text.count("v[0] * v[1]") == 1
+    assert "r[1] = a1;" in text and "r[3] = a1;" in text
