@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from navfmu.errors import nearest
+from navfmu.errors import NavfmuError, nearest
 from navfmu.export.bundle import Bundle
 from navfmu.export.frame import Frame
 from navfmu.export.layout import Layout
@@ -42,7 +42,12 @@ class Component:
         super().__init_subclass__(**kwargs)
         cls.layout = Layout(cls, place())
 
-    def __init__(self, frame: Frame) -> None:
+    def __init__(self, frame: Frame | None = None) -> None:
+        if frame is None:
+            raise NavfmuError(
+                f"{place()}: component {type(self).__name__} is made anew for each tick; give the class, as in "
+                f"Interpreter({type(self).__name__}) and build([{type(self).__name__}], folder)"
+            )
         object.__setattr__(self, "_frame", frame)
 
     @property

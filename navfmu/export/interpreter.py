@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
+from navfmu.errors import NavfmuError, nearest
 from navfmu.export import ir, life
 from navfmu.export.component import Component
 from navfmu.export.frame import Frame
@@ -314,9 +314,20 @@ class Interpreter:
         return np.array(values).reshape(shape) if shape else values[0]
 
     def set(self, name: str | int, value: Any) -> None:
-        """Set an input or a parameter, or before initialisation ends the start value of an output or a state."""
+        """Set an input or a parameter, or before initialisation ends the start value of an output or a state.
+
+        An array takes an array, or one value for all of it; an enumeration the name of an item, too.
+        """
         references, shape = self._references(name)
-        kind = self._element(references[0]).variable.type
+        variable = self._element(references[0]).variable
+        kind, items = variable.type, dict(variable.enumeration.items) if variable.enumeration else {}
+        if np.shape(value) not in ((), shape):
+            raise NavfmuError(f"'{name}' is set to values of shape {np.shape(value)}; expected {shape}, or one for all")
+        if isinstance(value, str) and kind != "String":
+            if value not in items:
+                expected = f"one of {', '.join(items)}" if items else "a number"
+                raise NavfmuError(f"'{name}' is set to the text '{value}'; expected {expected}{nearest(value, items)}")
+            value = items[value]
         values = np.broadcast_to(np.asarray(value, object if kind == "String" else float), shape).ravel().tolist()
         self.set_values(kind, references, values)
 

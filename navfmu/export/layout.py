@@ -56,6 +56,10 @@ class Layout:
             members.update(own)
         for name, member in members.items():
             self._member(name, member)
+        if "__init__" in vars(component):
+            self.fail(
+                "has an __init__; a component keeps nothing of its own but States, constants are class attributes"
+            )
         self.name = vars(component).get("name") or re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", component.__name__).lower()
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", self.name):
             self.fail(f"name {self.name!r} must be a C identifier")

@@ -57,6 +57,11 @@ class Scalar:
             "with np.zeros (np.zeros(b.shape) + b is b with room for them), or make one of them with np.array([...])",
         )
 
+    def __format__(self, how: str) -> str:
+        if how:
+            refuse("a traced value has no digits to be printed", "print it where the component runs with floats")
+        return repr(self)
+
     def __int__(self) -> int:
         refuse("a traced value has no int value", "use np.floor or np.rint, or compare it with np.where")
 

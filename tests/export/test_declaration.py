@@ -298,6 +298,7 @@ def _greedy():
 
 
 CLASSES = {
+    "an instance": (Sensor, "component Sensor is made anew for each tick; give the class, as in Interpreter(Sensor)"),
     "unknown period": (_class(T=Parameter("s"), step=every("S")(_quiet())), "'S'", "Parameter in s"),
     "braces in a sentence": (_class(x=Parameter("m"), check=require("x {x} of {{x}}")(_quiet())), "no braces but"),
     "a single brace": (_class(x=Parameter("m"), check=require("x {x} }")(_quiet())), "no braces but"),
@@ -322,6 +323,7 @@ CLASSES = {
     "sentence with a format": (_class(a=Parameter("s"), c=require("{a:.2f} is wrong")(_quiet())), "without a format"),
     "sentence with a gap": (_class(a=Parameter("s"), c=require("{} is wrong")(_quiet())), "with a name"),
     "name": (_class(name="air data"), "identifier"),
+    "__init__": (_class(__init__=_quiet()), "has an __init__; a component keeps nothing of its own but States"),
     "list of states": (_class(x=[State("m"), State("m")]), "'x' is a list of declarations", 'State(3, "m")'),
     "dictionary of bundles": (_class(x={"a": (Bundle(x=Input("m")),)}), "'x' is a dict of declarations"),
     "one variable, two names": (_twice(Output("m")), "'a' and 'b' are one declaration"),

@@ -211,3 +211,29 @@ def test_what_has_items_that_another_does_not_know_is_not_connected(tmp_path, pa
     source.component("a", "modes.fmu").component("b", "switch.fmu").connect("a.mode", "b.told")
     with pytest.raises(NavfmuError, match=r"one enumeration \(SEARCH = 1, TRACK = 2, MEMORY = 3\) to another \(SEARCH"):
         System.load(source.pack(tmp_path / "wrong.ssp"))
+
+
+def test_the_interpreter_takes_names_of_items_and_refuses_other_texts_and_shapes():
+    """float('TRACK') and NumPy's sentence on broadcasting were what one was told."""
+
+    class Several(Component):
+        """Of each kind."""
+
+        mode = Input(kind="enumeration", items=("search", "track"))
+        modes = Input(2, kind="enumeration", items=("search", "track"))
+        noises = Parameter(4, "m", start=1.0)
+
+    run = Interpreter(Several)
+    run.set("mode", "track")
+    run.set("modes", "track")
+    run.set("noises", [1.0, 2.0, 3.0, 4.0])
+    assert (run.get("mode"), run.get("modes").tolist(), run.get("noises").tolist()) == (2, [2, 2], [1, 2, 3, 4])
+    for name, value, told in (
+        ("mode", "trakc", "'mode' is set to the text 'trakc'; expected one of search, track; did you mean 'track'?"),
+        ("noises", "one", "'noises' is set to the text 'one'; expected a number"),
+        ("noises", [1.0, 2.0], "'noises' is set to values of shape (2,); expected (4,), or one for all"),
+        ("mode", [1, 2], "'mode' is set to values of shape (2,); expected (), or one for all"),
+    ):
+        with pytest.raises(NavfmuError) as refused:
+            run.set(name, value)
+        assert str(refused.value) == told

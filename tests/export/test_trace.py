@@ -415,6 +415,7 @@ REFUSED = {
     "random number of Python": (lambda a: a + random.gauss(0.0, 1.0), "noise(n)"),
     "random numbers with a seed": (lambda a: a + np.random.default_rng(7).normal(size=3), "outside of functions"),
     "random number by a name of its own": (lambda a: a * drawn_by_name(), "noise(n)"),  # noqa: NPY002
+    "printed with a format": (lambda a: f"{a[0]:.3f}", "runs with floats"),
     "comparison with a text": (lambda a: a[0] == "track", "IntEnum"),
     "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
     "where with one argument": (lambda a: np.where(a > 0), "both branches"),
