@@ -1,17 +1,22 @@
 """Arrays that a model's code makes itself: ``np.array([...])`` of traced values, ``np.zeros`` that is filled later.
 
 NumPy asks the arguments of these nothing. While tracing they stand for functions that do the same and return traced
-arrays.
+arrays, in the thread that traces and in the functions of the model: other libraries get what they know, and so does a
+module that is imported meanwhile.
 """
 
 from __future__ import annotations
 
+import inspect
+import os
 import sys
+import sysconfig
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import _lru_cache_wrapper, wraps
-from types import ModuleType
-from typing import Any, NoReturn
+from threading import get_ident
+from types import FrameType, ModuleType
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -29,6 +34,27 @@ MAKES = (*_MAKING, *_EMPTY)
 _ORIGINALS = {name: getattr(np, name) for name in (*_MAKING, *_EMPTY, *_REDUCING)}
 
 
+_LIBRARIES = tuple(sysconfig.get_path(name) + os.sep for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+
+
+class _Running(NamedTuple):
+    """A trace that is running."""
+
+    thread: int
+    modules: frozenset[str]  # of the model
+
+
+_running: list[_Running] = []  # the innermost one last
+
+
+def _is_model(frame: FrameType) -> bool:
+    """Whether a frame is one of a function of the model: what a module or a class keeps outlives the trace."""
+    file, name = frame.f_code.co_filename, frame.f_globals.get("__name__")
+    if is_foreign(file) or not frame.f_code.co_flags & inspect.CO_OPTIMIZED:
+        return False
+    return name in _running[-1].modules or not file.startswith(_LIBRARIES)
+
+
 class Unset:
     """An element of ``np.empty`` before it is assigned."""
 
@@ -43,7 +69,7 @@ def _array(name: str) -> Callable:
         if not args or not contains_traced(args[0]):
             return original(*args, **kwargs)
         value = args[0]
-        same = isinstance(value, Traced) and (name != "array" or not kwargs.get("copy", True))
+        same = isinstance(value, Traced) and (name != "array" or kwargs.get("copy", True) is not True)
         value = value if same else wrapped(objects(value))
         dtype = kwargs.get("dtype", args[1] if len(args) > 1 else None)
         return value if dtype is None or np.dtype(dtype).kind == "O" else value.astype(dtype, copy=False)
@@ -65,7 +91,7 @@ def _full_like(a: Any, fill_value: Any, dtype: Any = None, **kwargs: Any) -> Any
 
 def _filled_later(array: np.ndarray, unset: bool = False) -> Any:
     """Return a new array of constants as a traced one, if the model made it and traced values may come into it."""
-    if array.dtype not in (float, bool) or is_foreign(sys._getframe(2).f_code.co_filename):
+    if array.dtype not in (float, bool) or not _is_model(sys._getframe(3)):
         return array
     values = array.astype(object)
     if unset and array.dtype.kind == "f":
@@ -92,9 +118,21 @@ def _reducing(name: str) -> Callable:
     return function
 
 
-_TRACED = {name: _array(name) for name in _MAKING}
-_TRACED |= {name: _fresh(name) for name in _EMPTY} | {name: _reducing(name) for name in _REDUCING}
-_TRACED |= {"full": _full, "full_like": _full_like}
+def _while_tracing(name: str, traced: Callable) -> Callable:
+    original = _ORIGINALS[name]
+
+    @wraps(original)
+    def function(*args: Any, **kwargs: Any) -> Any:
+        is_tracing = bool(_running) and _running[-1].thread == get_ident()
+        return (traced if is_tracing else original)(*args, **kwargs)
+
+    return function
+
+
+_WAYS = {name: _array(name) for name in _MAKING}
+_WAYS |= {name: _fresh(name) for name in _EMPTY} | {name: _reducing(name) for name in _REDUCING}
+_WAYS |= {"full": _full, "full_like": _full_like}
+_TRACED = {name: _while_tracing(name, way) for name, way in _WAYS.items()}
 
 
 @contextmanager
@@ -114,11 +152,13 @@ def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
                 places.append((module, alias, value, _TRACED[name]))
             elif isinstance(value, _lru_cache_wrapper):
                 places.append((module, alias, value, _kept(value, places)))
+    _running.append(_Running(get_ident(), frozenset(module.__name__ for module in modules)))
     try:
         for owner, name, _, traced in places:
             setattr(owner, name, traced)
         yield
     finally:
+        _running.pop()
         for owner, name, original, _ in places:
             setattr(owner, name, original)
 

@@ -120,7 +120,7 @@ def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
         rows = wholes.accumulated(lambda a, b: applied(ufunc, (a, b)), column, len(column) // length, length)
         return np.moveaxis(filled(moved.shape, rows), -1, kwargs.get("axis", 0))
     rows = []
-    for row in moved.reshape(-1, moved.shape[-1]).tolist():
+    for row in moved.reshape(math.prod(moved.shape[:-1]), moved.shape[-1]).tolist():
         row = as_numbers(row)
         sums = row[:1]
         for element in row[1:]:

@@ -73,6 +73,10 @@ EXACT = {
     "sums over axes": (lambda m: m.sum(axis=0) + np.sum(m, axis=1) + np.prod(m, axis=0), M),
     "sums of a lone number over an axis": (lambda s: np.sum(s, axis=0) + np.max(s, axis=-1, keepdims=True), S),
     "very long sum": (lambda v: np.sum(np.tile(v, 9)), V),
+    "nothing, summed": (
+        lambda a: np.concatenate([np.cumsum(a[:0]), [np.sum(a[:0])], np.cumsum(a[:0, None], 0)[:, 0]]),
+        A,
+    ),
     "mean": (lambda m, v: np.mean(m, axis=0) + v.mean(), M, V),
     "python sum and for": (lambda v: sum(v[:5]) + sum(x * y for x, y in zip(v[:9], v[9:18], strict=True)), V),
     "unpacking": (lambda a: (lambda x, y, z: np.array([z, y, x]))(*a), A),
@@ -498,3 +502,28 @@ def test_random_numbers_that_a_function_keeps_are_constants():
     assert np.array_equal(traced(lambda a: a + _some_constants(), A), A + _some_constants())
     assert CHANCE.random() != CHANCE.random(), "the generator of the module is back"
     assert drawn_by_name is np.random.random
+
+
+def test_only_functions_of_the_model_make_traced_arrays(tmp_path, monkeypatch):
+    """Not another thread, nor other libraries, nor a module that is imported meanwhile: they would keep them."""
+    late = "from numpy import zeros, array as joined\nTABLE = zeros(3)\nclass Kept:\n    table = zeros(2)\n"
+    (tmp_path / "late_tables.py").write_text(late)
+    monkeypatch.syspath_prepend(tmp_path)
+    found = {}
+
+    def function(a):
+        import late_tables
+
+        thread = threading.Thread(target=lambda: found.update(thread=np.zeros(3)))
+        thread.start()
+        thread.join()
+        found.update(table=late_tables.TABLE, kept=late_tables.Kept.table, module=late_tables)
+        block = scipy.linalg.block_diag(scipy.linalg.expm(EYE[:2, :2]), EYE[:1, :1])
+        return block @ a + late_tables.TABLE + np.pad(EYE[0, :1], 1)
+
+    np.testing.assert_allclose(traced(function, A), function(A), rtol=1e-15)
+    only_traced(lambda a: (sys.modules.pop("late_tables"), function(a))[1], [A])
+    module = found["module"]
+    made = [found["thread"], found["table"], found["kept"], module.zeros(2), module.joined([1.0])]
+    assert {(type(array), array.dtype.kind) for array in made} == {(np.ndarray, "f")}
+    sys.modules.pop("late_tables")
