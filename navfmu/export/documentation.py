@@ -19,6 +19,7 @@ from navfmu.export.response import Response
 from navfmu.files.characters import shown as shown_characters
 from navfmu.report.template import fill
 
+_KEPT = "\N{NO-BREAK SPACE}"  # where no line ends
 _TEMPLATE = Path(__file__).parent / "templates" / "documentation.html.j2"
 
 
@@ -123,7 +124,7 @@ def _row(variable: ir.Variable) -> dict[str, Any]:
     if variable.type == "String":
         limits = f"at most {variable.longest} bytes"
     if variable.enumeration:
-        limits = ", ".join(f"{name} = {number}" for name, number in variable.enumeration.items)
+        limits = ", ".join(f"{name} = {number}".replace(" ", _KEPT) for name, number in variable.enumeration.items)
     tunable = variable.causality == "parameter" and variable.variability == "tunable"
     remarks = " (tunable)" * tunable + " (a difference)" * variable.difference
     return {
@@ -180,6 +181,9 @@ def _when(model: ir.Model, task: ir.Task) -> list[Piece]:
         return pieces(f"{what}at `{offset.name}` ({offset.start:g} s unless set) and k times that period")
     if task.kind == "on_new":
         sequence = model.elements[task.sequence]
-        each = f", and so for each to `{sequence.variable.elements()[-1].bundle}`" if sequence.variable.shape else ""
-        return pieces(f"at the first tick that sees new data in `{sequence.bundle}`{each}")
+        last = sequence.variable.elements()[-1]
+        own = (
+            f"its own of `{sequence.bundle}` to `{last.bundle}`" if sequence.variable.shape else f"`{sequence.bundle}`"
+        )
+        return pieces(f"at the first tick that sees new data in {own}")
     return pieces("at t = 0, when initialisation ends")

@@ -14,7 +14,7 @@ from navfmu.export.codegen import generate
 from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.lower import lower
-from navfmu.export.picture import _panels
+from navfmu.export.picture import panels
 from navfmu.export.response import step_response
 from navfmu.export.twin import build_twin
 
@@ -204,7 +204,7 @@ def test_the_page_has_a_row_for_each_and_not_for_each_bundle():
     html = re.sub(r"<[^>]+>", " ", page(lower(Receiver), None, [Receiver]))
     assert "beacon[1]…[3].range" in html and "beacon[1]…[3].parts[1]…[2]" in html and "held[1]…[3]" in html
     assert html.count("take[1]…take[3]") == 1
-    assert re.search(r"new data in\s+beacon\[1\]\s*, and so for each to\s+beacon\[3\]", html)
+    assert re.search(r"new data in its own of\s+beacon\[1\]\s+to\s+beacon\[3\]", html)
     assert "turned[1,1,1]…[4,2,3]" in page(lower(Cube), None, [Cube])
 
 
@@ -215,7 +215,7 @@ def test_an_example_run_feeds_each_bundle(fmus, tmp_path):
     response = step_response(lower(Receiver), fmu.guid, library)
     held = [response.indices.index(fmu.reference(f"held[{i}]")) for i in (1, 2, 3)]
     assert response.fed == ["beacon"]
-    assert list(_panels(lower(Receiver), response)["held (m)"]) == ["[1]", "[2]", "[3]"]
+    assert list(panels(lower(Receiver), response)["held (m)"]) == ["[1]", "[2]", "[3]"]
     assert np.all(response.values[-1, held] == 0.0)  # both parts step alike
     seen = [response.indices.index(fmu.reference(f"seen_at[{i}]")) for i in (1, 2, 3)]
     assert np.all(response.values[-1, seen] == pytest.approx(60.0))

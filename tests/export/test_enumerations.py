@@ -102,6 +102,8 @@ def test_an_item_may_have_any_number_that_leaves_no_gap():
 
 def test_the_page_names_the_items():
     html = page(lower(Modes))
+    assert "SEARCH\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}1, TRACK" in html, "no line ends within an item"
+    html = html.replace("\N{NO-BREAK SPACE}", " ")
     assert "SEARCH = 1, TRACK = 2, MEMORY = 3" in html
     assert "off = 1, hold = 2, go on = 3" in html
     assert "<td>hold</td>" in html.replace(' class="number"', "")
