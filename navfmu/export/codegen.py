@@ -12,7 +12,16 @@ from collections.abc import Iterable
 from navfmu.errors import NavfmuError
 from navfmu.export import ir, life
 from navfmu.export.graph import Array, Node, element, settled
-from navfmu.export.printer import DECLARATIONS, WIDTH, c_function, c_helpers, c_number, comment, has_arrays
+from navfmu.export.printer import (
+    DECLARATIONS,
+    WIDTH,
+    ArraysTooLarge,
+    c_function,
+    c_helpers,
+    c_number,
+    comment,
+    has_arrays,
+)
 from navfmu.files import numbers
 
 #: The vectors that a task's function reads, in order, and what its routines search.
@@ -21,7 +30,10 @@ VECTORS, TABLES = ("v", "noise", "time", "fixed"), (DECLARATIONS["tables"],)
 
 def generate(model: ir.Model, guid: str) -> str:
     """Return ``model.c``: everything that the generic runtime needs to know about ``model``."""
-    return "\n".join(_source(model, guid)) + "\n"
+    try:
+        return "\n".join(_source(model, guid)) + "\n"
+    except ArraysTooLarge as error:
+        raise NavfmuError(f"component '{model.name}': {error}") from None
 
 
 def clocks(model: ir.Model) -> list[ir.Clock]:

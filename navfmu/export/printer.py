@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from navfmu.errors import NavfmuError
 from navfmu.export.arrays import Call, Fold, Map, Pack, Product, Repeat, Routine, Run
 from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand, depends, in_order
 
@@ -16,10 +17,15 @@ from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand,
 Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 WIDTH = 116  # of lines that are filled
+STACK = 3 << 18  # bytes that the arrays of a function may take; a thread of Windows has 1 MB for all
 _SHORT = 4  # so many statements are no loop
 _DEEP = 32  # so many maps, each within the next, are one loop
 #: What routines are given besides numbers, as an argument of the functions in which they are called.
 DECLARATIONS = {"tables": "Table *tables"}
+
+
+class ArraysTooLarge(NavfmuError):
+    """A function calculates with larger arrays than a host has memory for."""
 
 
 def c_function(
@@ -37,7 +43,14 @@ def c_function(
     """
     arguments = [f"double {v}" if v in values else f"const double *restrict {v}" for v in vectors]
     head = f"static void {function}({', '.join([*arguments, *others, 'double *restrict r'])}) {{"
-    return "\n".join([head, *_Body(results, known, values).lines(), "}", ""])
+    body = _Body(results, known, values)
+    text = "\n".join([head, *body.lines(), "}", ""])
+    if (taken := 8 * sum(body.buffers.sizes)) > STACK:
+        raise ArraysTooLarge(
+            f"arrays on the way to a result take {taken // 1024} kB, expected at most {STACK // 1024} kB: they lie on "
+            "the stack of the host's thread, which has 1 MB on Windows; use smaller arrays"
+        )
+    return text
 
 
 def c_helpers(results: Iterable[Node]) -> list[str]:
@@ -59,7 +72,10 @@ def c_call(call: Call, sizes: Sequence[int]) -> str:
     """Return the C function of a call whose operands have these sizes."""
     values = {name for name, size in zip(call.vectors, sizes, strict=True) if size == 1}
     others = [DECLARATIONS[b] for b in call.before]
-    text = c_function(call.name, call.vectors, call.results, values=values, others=others)
+    try:
+        text = c_function(call.name, call.vectors, call.results, values=values, others=others)
+    except ArraysTooLarge as error:
+        raise ArraysTooLarge(f"{call.about or 'a function'}: {error}") from None
     return f"{comment(call.about)}\n{text}" if call.about else text
 
 

@@ -8,7 +8,8 @@ from evidence.compiled import compiled, linked, traced
 from evidence.drawn import INPUTS, draw
 from evidence.drawn import inputs as drawn_inputs
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Output, Parameter, every, trace
+from navfmu.export import Component, Output, Parameter, State, every, trace
+from navfmu.export.codegen import generate
 from navfmu.export.extent import LARGE, Extent, extent, shortest
 from navfmu.export.graph import CALLS, Array, in_order
 from navfmu.export.lanes import evaluator, numpy_source
@@ -130,6 +131,27 @@ def test_buffers_are_used_again():
 
     text = c_function("f", ["v"], traced(chain, [np.zeros(30)], 8).nodes)
     assert 1 <= text.count("    double w") <= 3
+
+
+class Matrices(Component):
+    """Products of matrices on the way to one number."""
+
+    sample_period = Parameter("s", start=0.1, description="period")
+    u = State((200, 200), "1", description="a matrix")
+    y = Output("1", description="sum")
+
+    @every("sample_period")
+    def step(self):
+        once = self.u @ self.u
+        twice = once @ self.u
+        self.u = 0.5 * self.u
+        self.y = np.sum(once + twice @ once.T)
+
+
+def test_arrays_that_the_stack_of_a_thread_does_not_hold_are_refused():
+    """On Windows it has 1 MB: catches an FMU that ends such a host without a word."""
+    with pytest.raises(NavfmuError, match=r"component 'matrices': arrays on .* take 1250 kB, expected at most 768 kB"):
+        generate(lower(Matrices), "{0}")
 
 
 # --- functions of the model ---
