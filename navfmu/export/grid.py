@@ -35,7 +35,7 @@ class Grid(Numbers):
         surfaces = self.parts("a surface", surfaces, ("name", "unit", "heights"))
         self.columns = tuple((str(name), str(unit)) for name, unit, _ in (*axes, *surfaces))
         self.keys = (0, 1)
-        self.hold(tuple(np.array(numbers, float) for *_, numbers in (*axes, *surfaces)))
+        self.hold(tuple(self.real(f"numbers of '{name}'", numbers) for name, _, numbers in (*axes, *surfaces)))
 
     def hold(self, numbers: tuple[np.ndarray, ...]) -> None:
         """Have these numbers: two axes (n,) and (m,), and surfaces (n, m)."""

@@ -43,6 +43,13 @@ class Numbers:
                 self.refuse(f"has {what} {one!r}; expected ({', '.join(names)})")
         return [tuple(one) for one in given]
 
+    def real(self, what: str, given: Any) -> np.ndarray:
+        """Return numbers that are given as an array of floats."""
+        try:
+            return np.array(given, float)
+        except (TypeError, ValueError) as error:
+            self.refuse(f"has {what} that are no array of numbers: {error}; a file is read with np.load")
+
     def refuse(self, what: str) -> NoReturn:
         """Raise the error for this declaration."""
         raise NavfmuError(f"{self.place}: {type(self).__name__} {what}")

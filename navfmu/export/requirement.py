@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from navfmu.errors import NavfmuError
+from navfmu.export.place import place
 from navfmu.export.task import mark
 
 
@@ -20,5 +22,8 @@ class Requirement:
 
 def require(message: str) -> Callable:
     """Mark a method over parameters that must be true when initialisation ends; ``{name}`` shows a parameter."""
-
+    if not isinstance(message, str):
+        raise NavfmuError(
+            f'{place()}: require needs a sentence, for example require("gain is {{gain}}, expected below 2")'
+        )
     return lambda function: mark(function, "_navfmu_requirement", message)

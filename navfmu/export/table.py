@@ -37,12 +37,12 @@ class Table(Numbers):
         super().__init__(file)
         pairs = self.parts("a column", columns, ("name", "unit"))
         self.columns = tuple((str(name), str(unit)) for name, unit in pairs)
-        rows = np.array(rows, float)
+        rows = self.real("rows", rows)
         if not self.columns or rows.ndim != 2 or rows.shape[1] != len(self.columns) or len(rows) < 2:
             self.refuse(f"rows have shape {rows.shape}, expected at least 2 rows of {len(self.columns)} columns")
         names = [name for name, _ in self.columns]
-        keys = names[:1] if key is None else [key] if isinstance(key, str) else list(key)
-        if wrong := next((name for name in keys if name not in names), None):
+        keys = names[:1] if key is None else list(key) if isinstance(key, list | tuple) else [key]
+        if wrong := next((str(name) for name in keys if name not in names), None):
             self.refuse(f"has no column '{wrong}' to be searched by{nearest(wrong, names)}")
         if not keys:
             self.refuse("is searched by nothing; expected a column")

@@ -229,6 +229,20 @@ DECLARATIONS = {
         lambda: Grid(axes=(("x", [0, 1]), ("y", [0, 1])), surfaces=(("z", "m", np.zeros((2, 2))),)),
         "Grid has an axis ('x', [0, 1]); expected (name, unit, numbers)",
     ),
+    "table of a file's name": (
+        lambda: Table(columns=(("time", "s"),), rows="plan.npy"),
+        "Table has rows that are no array of numbers: could not convert string to float: 'plan.npy'; a file is read",
+    ),
+    "grid with a row that is short": (
+        lambda: Grid(axes=(("x", "m", [0, 1]), ("y", "m", [0, 1])), surfaces=(("z", "m", [[0, 1], [2]]),)),
+        "Grid has numbers of 'z' that are no array of numbers",
+    ),
+    "table by a number": (
+        lambda: Table(columns=(("time", "s"),), rows=[[0], [1]], key=0),
+        "Table has no column '0' to be searched by",
+    ),
+    "require without a sentence": (lambda: require(_quiet()), "require needs a sentence"),
+    "a description that is no text": (lambda: Input("m", description=3), "3 is no text"),
     "table by nothing": (
         lambda: Table(columns=(("time", "s"),), rows=[[0], [1]], key=()),
         "is searched by nothing; expected a column",
