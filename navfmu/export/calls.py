@@ -76,8 +76,12 @@ def recorded(function: FunctionType) -> Callable:
 
     @wraps(function)
     def called(*args: Any, **kwargs: Any) -> Any:
-        if not current().calls:
-            return function(*args, **kwargs)
+        extent = current()
+        if not extent.calls:
+            before = extent.operations
+            result = function(*args, **kwargs)
+            extent.write_out(function, extent.operations - before)
+            return result
         try:
             return _call(function, args, kwargs)
         except _NoCall:

@@ -17,9 +17,11 @@ from navfmu.errors import NavfmuError
 
 #: Operations on single numbers that a task is traced with before its arrays are kept whole.
 MOST = 13_000
-#: The same for a function that is called, and for a task once it has an array of VAST elements.
+#: The same for a function that is called, and for a task that has an array of VAST elements or a function of LONG
+#: operations more than once.
 FEWER = 3_000
 VAST = 512
+LONG = 2_500
 #: Arrays with so many elements are kept whole even then, and products with four times as many terms.
 LARGE = 256
 #: Arrays with fewer elements never are.
@@ -42,11 +44,19 @@ class Extent:
     operations: int = 0
     packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
     functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
+    written_out: set = field(default_factory=set)  # long functions of the model that were traced in their place
 
     def meet(self, size: int) -> None:
         """An array of that size is read or made."""
         if size >= VAST and not self.calls:
             self.most = min(self.most, FEWER)
+
+    def write_out(self, function: object, operations: int) -> None:
+        """A function of the model was traced in its place, where it made so many operations."""
+        if operations >= LONG and function in self.written_out:
+            self.most = min(self.most, FEWER)
+        if operations >= LONG:
+            self.written_out.add(function)
 
     def count(self) -> None:
         """One more operation on single numbers."""
