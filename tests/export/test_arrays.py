@@ -502,7 +502,7 @@ def test_a_bank_of_the_same_is_one_function():
     with trace.tracing([sys.modules[__name__]]):
         symbols = trace.symbols("v", "f" * 8)
         result, used = shortest(lambda: bank(symbols), "f", {})
-        once, alone = shortest(lambda: long(symbols[:2]), "f", {})
+        _, alone = shortest(lambda: long(symbols[:2]), "f", {})
         nodes = trace.expressions(result)
     assert used.calls
     assert not alone.calls
