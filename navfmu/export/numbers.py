@@ -73,7 +73,7 @@ class Numbers:
 
     def read(self, path: Path) -> Numbers:
         """Return the same table with the numbers of a file, which has the same columns."""
-        found = unpacked(read_bytes(path, "a table"), str(path))
+        found = unpacked(read_bytes(path, "a table"), str(path), as_written=True)
         own = {label(*column): numbers for column, numbers in zip(self.columns, self.numbers, strict=True)}
         if form(found) != form(own):
             raise NavfmuError(f"{path}: has the columns {form(found)}; expected {form(own)}")

@@ -36,8 +36,11 @@ def packed(columns: Mapping[str, np.ndarray]) -> bytes:
     return file.getvalue()
 
 
-def unpacked(data: bytes, what: str) -> dict[str, np.ndarray]:
-    """Return the columns of a file (label -> array); ``what`` it is begins the sentence of what is wrong."""
+def unpacked(data: bytes, what: str, *, as_written: bool = False) -> dict[str, np.ndarray]:
+    """Return the columns of a file (label -> array); ``what`` it is begins the sentence of what is wrong.
+
+    Other numbers than doubles are converted, but for those that must be ``as_written`` by :func:`packed`.
+    """
     try:
         numbers = npy.read_array(io.BytesIO(data))
     except Exception as error:  # NumPy raises ValueError, EOFError, TokenError, MemoryError, ... on what is none
@@ -45,8 +48,11 @@ def unpacked(data: bytes, what: str) -> dict[str, np.ndarray]:
     if not numbers.dtype.names or numbers.ndim > 1:
         raise NavfmuError(f"{what}: holds numbers without names; expected an array of records with named columns")
     for name in numbers.dtype.names:
-        if numbers.dtype[name].base.kind not in "fiu":
-            raise NavfmuError(f"{what}: '{name}' is of type {numbers.dtype[name].base}; expected real numbers")
+        kind = numbers.dtype[name].base
+        if kind.kind not in "fiu":
+            raise NavfmuError(f"{what}: '{name}' is of type {kind}; expected real numbers")
+        if as_written and kind.str != "<f8":
+            raise NavfmuError(f"{what}: '{name}' is of type {kind.str}; expected <f8, which is what FMUs read")
     return {name: np.array(numbers[name], float) for name in numbers.dtype.names}
 
 

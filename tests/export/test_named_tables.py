@@ -112,6 +112,8 @@ WRONG = {
     "none.npy": ("none.npy cannot be read.", "none.npy: no such file; expected a table"),
     "bad.npy": ("number 2 of 2 in 'time (s)', 0, is not greater", "bad.npy: Table is searched by 'time'"),
     "plane.npy": ("has the header", "'z (m)' (a surface); expected 'time (s)' (a list), 'x (m)' (a list)"),
+    "whole.npy": ("has the header", "'x (m)' is of type <i4; expected <f8, which is what FMUs read"),
+    "swapped.npy": ("has the header", "'time (s)' is of type >f8; expected <f8, which is what FMUs read"),
     "row.npy": ("has the header", "has the columns 'time (s)' (a number), 'x (m)' (a number); expected"),
     "plans": ("plans cannot be read.", "is a folder, expected a table"),
     "../resources/other.npy": (OUTSIDE, OUTSIDE),
@@ -127,6 +129,9 @@ def test_a_wrong_file_is_told_and_another_can_be_named(planned, name):
     """A file elsewhere is no part of the FMU: what it holds is not in the key under which results are kept."""
     (planned.folder / "resources" / "plans").mkdir()
     np.save(planned.folder / "resources" / "row.npy", np.zeros((), [("time (s)", "<f8"), ("x (m)", "<f8")]))
+    for file, kinds in (("whole", ("<f8", "<i4")), ("swapped", (">f8", ">f8"))):
+        rows = np.array([(0, 1), (4, 2)], [("time (s)", kinds[0]), ("x (m)", kinds[1])])
+        np.save(planned.folder / "resources" / f"{file}.npy", rows)
     native, floats = WRONG[name]
     slave = Slave(planned)
     slave.set("plan_file", name)
