@@ -97,13 +97,20 @@ def base_units(unit: str) -> dict[str, int]:
 
 def check_units(model: ir.Model) -> None:
     """Raise when a unit is not SI (:func:`base_units`) or a display unit does not belong to it."""
+    of_variables = [(f"variable '{v.name}'", v.unit or "1") for v in model.variables]
+    of_tables = [
+        (f"table '{table.name}', column '{column}'", unit)
+        for table in model.tables
+        for column, unit in zip(table.columns, table.units, strict=True)
+    ]
+    for what, unit in of_variables + of_tables:
+        try:
+            _base_of(model, unit)
+        except NavfmuError as error:
+            raise NavfmuError(f"component '{model.name}', {what}: {error}") from None
     for variable in model.variables:
         where = f"component '{model.name}', variable '{variable.name}'"
         unit, display = variable.unit, variable.display_unit
-        try:
-            _base_of(model, unit or "1")
-        except NavfmuError as error:
-            raise NavfmuError(f"{where}: {error}") from None
         if display is not None and display != unit and display not in DISPLAY_UNITS.get(unit or "", {}):
             known = DISPLAY_UNITS.get(unit or "", {})
             raise NavfmuError(

@@ -13,7 +13,7 @@ from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, de
 from navfmu.export.lower import lower
 from tests import built
 
-from .components import Sensor, Source
+from .components import Planned, Sensor, Source
 from .slave import OK, Slave, Unzipped
 
 
@@ -70,6 +70,15 @@ def test_unknown_display_units_are_refused_with_the_nearest_name():
     wrong = dataclasses.replace(model.variables[0], unit="rad", display_unit="degs")
     with pytest.raises(NavfmuError, match=r"variable 'u': unit 'rad' cannot be displayed as 'degs'.*mean 'deg'"):
         check_units(dataclasses.replace(model, variables=(wrong, *model.variables[1:])))
+
+
+def test_units_of_columns_are_refused_like_those_of_variables():
+    """Seconds as "sec" went into the file of a table, where no host could tell what they are."""
+    model = lower(Planned)
+    wrong = dataclasses.replace(model.tables[0], units=("sec", "m"))
+    with pytest.raises(NavfmuError, match=r"table 'plan', column 'time': unknown unit 'sec'; expected SI symbols"):
+        check_units(dataclasses.replace(model, tables=(wrong, *model.tables[1:])))
+    check_units(model)
 
 
 def test_display_units_are_right():
