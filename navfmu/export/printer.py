@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from types import MappingProxyType
@@ -18,6 +19,7 @@ Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 WIDTH = 116  # of lines that are filled
 STACK = 3 << 18  # bytes that the arrays of a function may take; a thread of Windows has 1 MB for all
+_KEPT = "\N{NO-BREAK SPACE}"  # a space at which no line ends
 _SHORT = 4  # so many statements are no loop
 _DEEP = 32  # so many maps, each within the next, are one loop
 #: What routines are given besides numbers, as an argument of the functions in which they are called.
@@ -80,9 +82,11 @@ def c_call(call: Call, sizes: Sequence[int]) -> str:
 
 
 def comment(text: str) -> str:
-    """Return a text as a comment in C; names may have any letters."""
+    """Return a text as a comment in C, with lines that end at its signs; names may have any letters."""
     text = text.replace("*/", "* /").encode("ascii", "backslashreplace").decode()
-    return textwrap.fill(f"/* {text}.", WIDTH - 3, subsequent_indent=" * ", break_long_words=False) + " */"
+    kept = re.sub(r"(?<![,:]) ", _KEPT, text)
+    lines = textwrap.fill(f"/*{_KEPT}{kept}.", WIDTH - 3, subsequent_indent=" * ", break_long_words=False)
+    return lines.replace(_KEPT, " ") + " */"
 
 
 def _called(node: Node) -> tuple[Call | None, Sequence[Operand]]:

@@ -1,5 +1,7 @@
 """What is written for a graph: each operation once, truth values that are numbers too, and what can be done before."""
 
+import re
+
 import numpy as np
 
 from evidence.compiled import compiled
@@ -64,6 +66,7 @@ def test_the_code_says_what_lies_where():
     told = text[text.index("/* In v lies ") :].partition(" */")[0]
     told = told.removeprefix("/* In v lies ").replace("\n *", "").removesuffix(".")
     assert told == ", ".join(f"{name} at {place}" for name, place in places.items())
+    assert not re.search(r" at\n", text), "a name is torn from its place"
     assert "/* Task 'estimate': r is what it assigns, state at 0, covariance at 24, " in text
     assert max(map(len, text.split("targets_0[] = {\n")[1].split("\n};")[0].splitlines())) > 100
 
