@@ -18,7 +18,7 @@ from navfmu.export.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand,
 Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 WIDTH = 116  # of lines that are filled
-STACK = 3 << 18  # bytes that the arrays of a function may take; a thread of Windows has 1 MB for all
+STACK = 3 << 17  # bytes that the arrays of a function may take; a thread of macOS has 512 kB for all
 _KEPT = "\N{NO-BREAK SPACE}"  # a space at which no line ends
 _SHORT = 4  # so many statements are no loop
 _DEEP = 32  # so many maps, each within the next, are one loop
@@ -50,7 +50,7 @@ def c_function(
     if (taken := 8 * sum(body.buffers.sizes)) > STACK:
         raise ArraysTooLarge(
             f"arrays on the way to a result take {taken // 1024} kB, expected at most {STACK // 1024} kB: they lie on "
-            "the stack of the host's thread, which has 1 MB on Windows; use smaller arrays"
+            "the stack of the host's thread, which may have 512 kB on macOS; use smaller arrays"
         )
     return text
 
