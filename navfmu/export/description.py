@@ -220,10 +220,11 @@ def _lines(
         yield "    </Tool>"
         yield "  </VendorAnnotations>"
     yield "  <ModelVariables>"
-    for element in model.elements:
+    elements = _depth_first(model.elements)
+    for element in elements:
         yield from _variable(element)
     yield "  </ModelVariables>"
-    yield from _structure(model)
+    yield from _structure(model, {element.index: place for place, element in enumerate(elements, 1)})
     yield "</fmiModelDescription>"
     yield ""
 
@@ -231,6 +232,17 @@ def _lines(
 def _is_structured(element: ir.Element) -> bool:
     """Whether a name is one of the structured convention, FMI 2.0.4 section 2.2.9, without derivatives."""
     return re.fullmatch(rf"{_PART}(\.{_PART})*", element.name, flags=re.ASCII) is not None
+
+
+def _depth_first(elements: Sequence[ir.Element]) -> list[ir.Element]:
+    """The elements in the order of the structured convention: what belongs to one bundle is not parted by others."""
+    paths = [re.findall(r"'(?:[^'\\]|\\.)+'|\[[^\]]*\]|\w+", element.name) for element in elements]
+    first: dict[tuple[str, ...], int] = {}  # where what begins with these parts stands first
+    for place, path in enumerate(paths):
+        for depth in range(len(path)):
+            first.setdefault(tuple(path[: depth + 1]), place)
+    keys = [[first[tuple(path[: depth + 1])] for depth in range(len(path))] for path in paths]
+    return [element for _, element in sorted(zip(keys, elements, strict=True), key=lambda pair: pair[0])]
 
 
 def _units(model: ir.Model) -> Iterable[str]:
@@ -315,8 +327,9 @@ def _bound(variable: ir.Variable) -> str:
     return f" (at most {variable.longest} bytes)" if variable.type == "String" else ""
 
 
-def _structure(model: ir.Model) -> Iterable[str]:
-    outputs = [i for v in model.variables if v.causality == "output" for i in v.indices]
+def _structure(model: ir.Model, places: Mapping[int, int]) -> Iterable[str]:
+    """What depends on what, by the places of the variables in the list."""
+    outputs = sorted((i for v in model.variables if v.causality == "output" for i in v.indices), key=places.get)
     if not outputs:
         yield "  <ModelStructure/>"
         return
@@ -324,15 +337,15 @@ def _structure(model: ir.Model) -> Iterable[str]:
     yield "    <Outputs>"
     direct = model.through.dependencies if model.through and model.through.direct else {}
     for index in outputs:
-        numbers = " ".join(str(i + 1) for i in direct.get(index, ()))
-        yield f'      <Unknown index="{index + 1}" dependencies="{numbers}"/>'
+        numbers = " ".join(map(str, sorted(places[i] for i in direct.get(index, ()))))
+        yield f'      <Unknown index="{places[index]}" dependencies="{numbers}"/>'
     yield "    </Outputs>"
-    unknowns = initial_unknowns(model)
+    unknowns = sorted(initial_unknowns(model), key=lambda unknown: places[unknown[0]])
     if unknowns:
         yield "    <InitialUnknowns>"
         for index, depends in unknowns:
-            numbers = " ".join(str(i + 1) for i in depends)
-            yield f'      <Unknown index="{index + 1}" dependencies="{numbers}"/>'
+            numbers = " ".join(map(str, sorted(places[i] for i in depends)))
+            yield f'      <Unknown index="{places[index]}" dependencies="{numbers}"/>'
         yield "    </InitialUnknowns>"
     yield "  </ModelStructure>"
 

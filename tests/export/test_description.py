@@ -1,6 +1,7 @@
 """modelDescription.xml: valid, complete, with units that are right."""
 
 import dataclasses
+from xml.etree import ElementTree
 
 import fmpy
 import pytest
@@ -13,6 +14,7 @@ from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, de
 from navfmu.export.lower import lower
 from tests import built
 
+from .arrays import Beacons, Cube, Receiver
 from .components import Planned, Sensor, Source
 from .slave import OK, Slave, Unzipped
 
@@ -31,6 +33,24 @@ def test_every_fmu_of_the_project_is_valid(name, tmp_path_factory):
         assert variable.type != "Real" or variable.unit, variable.name
         if variable.causality in ("input", "parameter"):
             assert variable.start is not None, variable.name
+
+
+@pytest.mark.parametrize("component", [Beacons, Receiver, Cube])
+def test_names_stand_in_the_order_of_the_structured_convention(component):
+    """Depth first, FMI 2.0.4, section 2.2.9. Catches all ranges of an array of bundles before all parts of it, and the
+    number of the last sample far behind the others of its bundle; indices that are references."""
+    model = lower(component)
+    xml = ElementTree.fromstring(describe(model, "{0}"))
+    variables = list(xml.iter("ScalarVariable"))
+    names = [variable.get("name") for variable in variables]
+    for prefix in {name[:end] for name in names for end, c in enumerate(name) if c in ".["}:
+        places = [place for place, name in enumerate(names) if name.startswith((f"{prefix}.", f"{prefix}["))]
+        assert places == list(range(places[0], places[-1] + 1)), prefix
+    assert {int(variable.get("valueReference")): name for variable, name in zip(variables, names, strict=True)} == {
+        element.index: element.name for element in model.elements
+    }
+    outputs = {names[int(unknown.get("index")) - 1] for unknown in xml.find("ModelStructure/Outputs")}
+    assert outputs == {v.get("name") for v in variables if v.get("causality") == "output"}
 
 
 def test_small_fmus_are_valid(unzipped):

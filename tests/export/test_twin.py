@@ -190,7 +190,7 @@ def test_hidden_state_of_the_twin_is_restored(twins):
     state = one.getFMUstate()
     one.setFMUstate(state)
     one.doStep(currentCommunicationPoint=0.1, communicationStepSize=0.1)
-    assert one.read("Integer")[0] == 1
+    assert one.getInteger([one.variables["updates"].valueReference]) == [1]
 
 
 def test_reset_twin_starts_again(twins):
