@@ -177,15 +177,20 @@ class _Body:
         self.fused = _fused(order, whole)
         last = self._last_uses(order)
         once = self._read_nowhere(order)
+        within = self._within_arrays(whole)
         for now, node in enumerate(order):
             if isinstance(node, Array):
                 if node not in self.known and node not in self.fused:
                     self._array(node, now, last.get(node, 0))
+                    self._store_of(node, within.get(node, []))
             elif node in once:
                 self.texts[node] = self._stored(node, once[node])
             else:
                 self.texts[node] = self._number(node)
-        self._store(set(once.values()))
+        done = {*once.values(), *(i for places in within.values() for i in places)}
+        for i, node in enumerate(self.results):
+            if i not in done:
+                self.statements.append(f"    r[{i}] = {self.texts[node]};")
         buffers = [f"    double w{k}[{size}];" for k, size in enumerate(self.buffers.sizes)]
         return [*(text for _, text in self.constants.values()), *buffers, *self.statements]
 
@@ -202,9 +207,6 @@ class _Body:
         for now, node in enumerate(order):
             if node not in self.fused and node not in self.known:
                 use(node, now)
-        for node in self.results:
-            if node.op == "element":
-                use(node, math.inf)
         return last
 
     # --- single numbers ---
@@ -267,38 +269,36 @@ class _Body:
                 found[array] = i
         return found
 
-    def _store(self, done: Container[int]) -> None:
-        """Set the results; those that lie in an array at equal distances in a loop."""
-        i = 0
-        while i < len(self.results):
-            node = self.results[i]
-            array = node.of[0] if node.op == "element" and node not in self.known else None
-            if i in done:
-                i += 1
-                continue
-            if not isinstance(array, Array):
-                self.statements.append(f"    r[{i}] = {self.texts[node]};")
-                i += 1
-                continue
-            if self.final.get(array) == i:
-                i += array.size
-                continue
-            places = [node.of[1]]
-            for other in self.results[i + 1 :]:
-                if other.op != "element" or other.of[0] is not array or other in self.known:
+    def _within_arrays(self, whole: Sequence[Array]) -> dict[Array, list[int]]:
+        """Return which results are elements of arrays: they are set as soon as these are calculated."""
+        found: dict[Array, list[int]] = {array: [] for array in whole}
+        for i, node in enumerate(self.results):
+            if node.op == "element" and node not in self.known and node.of[0] in found:
+                found[node.of[0]].append(i)
+        return found
+
+    def _store_of(self, array: Array, results: Sequence[int]) -> None:
+        """Set results that are elements of an array; those at equal distances in a loop."""
+        left = list(results)
+        if array in self.final:
+            left = [i for i in left if not 0 <= i - self.final[array] < array.size]
+        vector, first = self._array_place(array)
+        while left:
+            places = [self.results[left[0]].of[1]]
+            for i, before in zip(left[1:], left, strict=False):
+                place = self.results[i].of[1]
+                if i != before + 1 or (len(places) > 1 and place - places[-1] != places[1] - places[0]):
                     break
-                if len(places) > 1 and other.of[1] - places[-1] != places[1] - places[0]:
-                    break
-                places.append(other.of[1])
-            n = len(places)
-            if n < _SHORT:
-                self.statements.append(f"    r[{i}] = {self.texts[node]};")
-                i += 1
-                continue
-            vector, first = self._array_place(array)
-            read = _sum([("i", places[1] - places[0])], first + places[0])
-            self.statements.append(f"    for (int i = 0; i < {n}; i++) r[{_plus('i', i)}] = {vector}[{read}];")
-            i += n
+                places.append(place)
+            n = len(places) if len(places) >= _SHORT else 1
+            if n == 1:
+                self.statements.append(f"    r[{left[0]}] = {vector}[{first + places[0]}];")
+            else:
+                read = _sum([("i", places[1] - places[0])], first + places[0])
+                self.statements.append(
+                    f"    for (int i = 0; i < {n}; i++) r[{_plus('i', left[0])}] = {vector}[{read}];"
+                )
+            left = left[n:]
 
     # --- arrays ---
 
