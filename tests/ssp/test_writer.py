@@ -162,5 +162,5 @@ def test_strings_come_back_as_they_are_or_are_refused(tmp_path):
     (value,) = find(system.files()["resources/plant.ssv"], ".//ssv:String")
     assert value.get("value") == text
     for wrong in ("a\x01b", "\ud800", "\uffff"):
-        with pytest.raises(NavfmuError, match=r"one: plant: 'label': the text .* has the character .*, which"):
+        with pytest.raises(NavfmuError, match=r"one: plant: 'label' = .*: the text has the character .*; expected"):
             system.parameters("plant", {"label": wrong})
