@@ -23,6 +23,7 @@ AGREE = 1e-12
 
 
 def run(rounds: int = 7) -> list[Contest]:
+    """Return a contest for each case, each measured in so many rounds."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         loops = {states: Loops(states, driven, Path(scratch)) for states, driven in STATES_DRIVEN.items()}
         measured = [_measured(case, loops[case.states], Path(scratch), rounds) for case in cases()]

@@ -216,6 +216,7 @@ _REMEDIES = {
 
 
 def apply(function: Callable, args: tuple, kwargs: dict) -> Any:
+    """Return what a function of NumPy gives for traced arguments, or refuse it."""
     if function in FUNCTIONS:
         return FUNCTIONS[function](*args, **kwargs)
     if function not in STRUCTURAL:

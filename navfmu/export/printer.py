@@ -429,11 +429,7 @@ class _Body:
 
     def _fold(self, array: Array, name: str) -> None:
         how: Fold = array.how
-        (operand,) = array.operands
-        vector, shift = self._vector(operand)
-        across, along = operand.strides((how.rows, how.length))
-        start = shift + int(operand.places[0])
-        row = _sum([("i", across)], start)
+        vector, row, place, along = self._read_rows(array)
         if how.pairwise:
             begin = "" if how.first is None else f"{c_number(how.first)} + "
             self.statements += [
@@ -443,9 +439,16 @@ class _Body:
             return
         first = c_number(how.first) if how.first is not None else f"{vector}[{row}]"
         begin = int(how.first is None)
-        place = _sum([("i", across), ("j", along)], start)
         self.statements.append(f"    for (int i = 0; i < {how.rows}; i++) {name}[i] = {first};")
         self._rows(how, begin, f"{name}[i]", f"{vector}[{place}]", f"{name}[i]")
+
+    def _read_rows(self, array: Array) -> tuple[str, str, str, int]:
+        """Return where rows are read: the vector, the places of row i and of its number j, and the step along a row."""
+        (operand,) = array.operands
+        vector, shift = self._vector(operand)
+        across, along = operand.strides((array.how.rows, array.how.length))
+        start = shift + int(operand.places[0])
+        return vector, _sum([("i", across)], start), _sum([("i", across), ("j", along)], start), along
 
     def _rows(self, how: Fold | Run, begin: int, before: str, read: str, to: str) -> None:
         """Write the loops that fold rows, all rows side by side: so none waits for itself."""
@@ -461,14 +464,9 @@ class _Body:
 
     def _run(self, array: Array, name: str) -> None:
         how: Run = array.how
-        (operand,) = array.operands
-        vector, shift = self._vector(operand)
-        across, along = operand.strides((how.rows, how.length))
-        start = shift + int(operand.places[0])
+        vector, first, place, _ = self._read_rows(array)
         row, step = _sum([("i", how.length)], 0), _sum([("i", how.length), ("j", 1)], 0)
-        first = _sum([("i", across)], start)
         self.statements.append(f"    for (int i = 0; i < {how.rows}; i++) {name}[{row}] = {vector}[{first}];")
-        place = _sum([("i", across), ("j", along)], start)
         self._rows(how, 1, f"{name}[{step} - 1]", f"{vector}[{place}]", f"{name}[{step}]")
 
     def _product(self, array: Array, name: str) -> None:

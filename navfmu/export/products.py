@@ -15,6 +15,7 @@ from navfmu.export.traced import Traced, as_numbers, built, filled, is_kept_whol
 
 
 def product(function: Callable, a: Any, b: Any) -> Any:
+    """Return ``function(a, b)``, one of NumPy's products of matrices; each sum begins at 0.0 and goes in order."""
     a, b = objects(a), objects(b)
     if type_of(a) is type_of(b) is bool:
         refuse("NumPy's product of arrays of truth values is no count", "multiply a.astype(float)")
@@ -64,6 +65,7 @@ _MATRICES: dict[Callable, Callable] = {np.matmul: _matmul, np.dot: _dot, np.inne
 
 
 def tensordot(a: Any, b: Any, axes: Any = 2) -> Any:
+    """Sums of products over pairs of axes, as one product of matrices."""
     a, b = np.asarray(a), np.asarray(b)
     if np.ndim(axes) == 0:
         axes = range(a.ndim - axes, a.ndim), range(axes)

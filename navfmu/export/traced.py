@@ -20,6 +20,7 @@ from navfmu.export.rules import Scalar, expression, is_boolean, is_whole, number
 
 
 def unwrapped(element: Any) -> Any:
+    """Return an element as a Python number or Scalar: NumPy's scalars and arrays without axes hold one."""
     if isinstance(element, np.generic):
         return element.item()
     if isinstance(element, np.ndarray) and element.ndim == 0:
@@ -63,10 +64,12 @@ def _all_boolean(array: np.ndarray) -> bool:
 
 
 def built(shape: tuple[int, ...], elements: list) -> Traced:
+    """Return elements as a traced array of a shape, all of one type."""
     return filled(shape, uniform(elements))
 
 
 def filled(shape: tuple[int, ...], elements: list) -> Traced:
+    """Return elements, which are of one type already, as a traced array of a shape."""
     result = np.empty(len(elements), object)
     for i, element in enumerate(elements):
         result[i] = element
@@ -74,6 +77,7 @@ def filled(shape: tuple[int, ...], elements: list) -> Traced:
 
 
 def wrapped(x: Any) -> Any:
+    """Return base-class object arrays, also in lists and tuples, as traced arrays."""
     if isinstance(x, Scalar):
         return built((), [x])
     if isinstance(x, np.ndarray) and x.dtype == object:

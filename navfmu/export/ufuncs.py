@@ -25,6 +25,7 @@ from navfmu.export.traced import (
 
 
 def applied(ufunc: np.ufunc, elements: tuple) -> Any:
+    """Apply a ufunc to elements: constants are folded, else it is the rule for it."""
     if any(type(e) is Scalar for e in elements):
         return RULES[ufunc](*elements)
     return fold(ufunc, *elements)
@@ -130,6 +131,7 @@ def _accumulate(ufunc: np.ufunc, array: Any, kwargs: dict) -> Traced:
 
 
 def apply(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
+    """Return what a ufunc, or one of its methods, gives for traced arguments, or refuse it."""
     out = kwargs.pop("out", None)
     if kwargs.get("where", True) is not True:
         refuse(f"np.{ufunc.__name__}(..., where=...) is not traced", "use np.where")
