@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import toolchain, trace
+from navfmu.export import toolchain
 from navfmu.export.build import RUNTIME
-from navfmu.export.extent import Extent, extent
-from navfmu.export.graph import Node
-from navfmu.export.printer import c_function, c_helpers
+from navfmu.export.printing.printer import c_function, c_helpers
+from navfmu.export.record.graph import Node
+from navfmu.export.tracing import trace
+from navfmu.export.tracing.extent import Extent, extent
 
 _HEAD = """#include <math.h>
 #include "arrays.h"

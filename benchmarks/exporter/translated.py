@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from evidence.compiled import source
-from navfmu.export import toolchain, trace
+from navfmu.export import toolchain
 from navfmu.export.build import RUNTIME
-from navfmu.export.extent import current, shortest
+from navfmu.export.tracing import trace
+from navfmu.export.tracing.extent import current, shortest
 
 
 class Translated:

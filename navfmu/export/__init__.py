@@ -1,13 +1,13 @@
 """Exporter: a component declared in plain NumPy becomes a native FMU, and its PythonFMU twin."""
 
-from navfmu.export.bundle import Bundle
-from navfmu.export.component import Component
-from navfmu.export.example import Example
-from navfmu.export.grid import Grid
-from navfmu.export.requirement import require
-from navfmu.export.table import Table
-from navfmu.export.task import every, on_new, start
-from navfmu.export.variable import Input, Output, Parameter, State
+from navfmu.export.declaration.bundle import Bundle
+from navfmu.export.declaration.component import Component
+from navfmu.export.declaration.example import Example
+from navfmu.export.declaration.grid import Grid
+from navfmu.export.declaration.requirement import require
+from navfmu.export.declaration.table import Table
+from navfmu.export.declaration.task import every, on_new, start
+from navfmu.export.declaration.variable import Input, Output, Parameter, State
 
 __all__ = [
     "Bundle",

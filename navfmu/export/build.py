@@ -14,9 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, codegen, description, documentation, ir, life, toolchain
+from navfmu.export import archive, description, life, toolchain
 from navfmu.export.fingerprint import fingerprint
-from navfmu.export.illustration import Illustration, illustrate
+from navfmu.export.page import documentation
+from navfmu.export.page.illustration import Illustration, illustrate
+from navfmu.export.printing import codegen
+from navfmu.export.record import ir
 from navfmu.files import cache
 from navfmu.files.reading import what_is
 from navfmu.files.writing import write_file
@@ -134,7 +137,7 @@ def _check_names(models: list[Any]) -> None:
 
 
 def _lower(component: type) -> ir.Model:
-    from navfmu.export.lower import lower
+    from navfmu.export.tracing.lower import lower
 
     return lower(component)
 

@@ -8,10 +8,11 @@ from xml.sax.saxutils import quoteattr
 
 from navfmu import __version__
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export import ir, life
-from navfmu.export.arrays import tables_searched
-from navfmu.export.codegen import clocks, continuous_inputs
-from navfmu.export.graph import elements_used
+from navfmu.export import life
+from navfmu.export.printing.codegen import clocks, continuous_inputs
+from navfmu.export.record import ir
+from navfmu.export.record.arrays import tables_searched
+from navfmu.export.record.graph import elements_used
 from navfmu.fmi.units import BASE
 
 #: Symbols that units are made of, such as m2/s3 or kg/m3: exponents of the base units (all factors are 1).

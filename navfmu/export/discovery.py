@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export.component import Component
+from navfmu.export.declaration.component import Component
 from navfmu.files.reading import resolved, what_is
 
 

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from navfmu import __version__
-from navfmu.export.component import Component
+from navfmu.export.declaration.component import Component
 from navfmu.export.imports import imports
 
 #: Files beside a model's modules that it may read, such as coefficients.

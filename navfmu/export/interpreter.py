@@ -19,15 +19,16 @@ from typing import Any, NoReturn
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export import ir, life
-from navfmu.export.component import Component
-from navfmu.export.frame import Frame
-from navfmu.export.layout import Layout
+from navfmu.export import life
+from navfmu.export.declaration.component import Component
+from navfmu.export.declaration.frame import Frame
+from navfmu.export.declaration.layout import Layout
+from navfmu.export.declaration.numbers import Numbers
+from navfmu.export.declaration.task import TaskDeclaration
+from navfmu.export.declaration.text import no_character, size
 from navfmu.export.life import State
 from navfmu.export.noise import Normals
-from navfmu.export.numbers import Numbers
-from navfmu.export.task import TaskDeclaration
-from navfmu.export.text import no_character, size
+from navfmu.export.record import ir
 from navfmu.fmi.names import hint
 
 _DTYPES = {"Real": float, "Integer": np.int64, "Boolean": bool}

@@ -17,10 +17,11 @@ from pathlib import Path
 from typing import Any
 
 from navfmu.errors import NavfmuError
-from navfmu.export import archive, description, fingerprint, interpreter, ir, life
-from navfmu.export.component import Component
-from navfmu.export.icon import icon
+from navfmu.export import archive, description, fingerprint, interpreter, life
+from navfmu.export.declaration.component import Component
 from navfmu.export.imports import imports
+from navfmu.export.page.icon import icon
+from navfmu.export.record import ir
 
 _NO_NAME = "a_twin_without_a_name"  # stands in the module until its name, which has a hash of it, is known
 _HEAD = '''"""Python twin of the component {name}: the model, its interpreter and its random numbers in one file.
@@ -311,7 +312,7 @@ def _entries(component: type[Component], model: ir.Model, pictures: bool, live: 
     """Return the files of the archive: path to content."""
     import pythonfmu
 
-    from navfmu.export import documentation
+    from navfmu.export.page import documentation
 
     if "<locals>" in component.__qualname__ or "." in component.__qualname__:
         raise NavfmuError(
@@ -357,7 +358,7 @@ def build_twin(
     one is for this process only: it runs the class itself, where a debugger finds it, and carries no sources.
     """
     if model is None:
-        from navfmu.export.lower import lower
+        from navfmu.export.tracing.lower import lower
 
         model = lower(component)
     return archive.write(Path(out_dir) / f"{model.name}.fmu", _entries(component, model, pictures, live))

@@ -12,7 +12,7 @@ from navfmu.engine.effect import DELAY, RANDOM
 from navfmu.engine.library import SOURCE
 from navfmu.engine.link import Link
 from navfmu.engine.plan import Plan
-from navfmu.export import ir
+from navfmu.export.record import ir
 from navfmu.fmi import names
 from navfmu.fmi.description import Variable
 from navfmu.sabotage.passage import Key, Passage, passages, units

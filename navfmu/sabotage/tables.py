@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from navfmu.export.printer import c_number
+from navfmu.export.printing.printer import c_number
 from navfmu.sabotage.passage import Passage
 
 #: What the master needs to find out whether anybody sees an effect.

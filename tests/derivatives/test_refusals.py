@@ -11,7 +11,7 @@ from navfmu.derivatives import jacobian
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, State, every
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.tracing.lower import lower
 
 OUTSIDE = np.zeros(3)
 

@@ -5,7 +5,7 @@ import pytest
 
 from navfmu.derivatives import jacobian, value_and_jacobian
 from navfmu.derivatives.dual import RULES
-from navfmu.export import functions, rules
+from navfmu.export.tracing import functions, rules
 
 from .differences import complex_step, extrapolated
 from .functions import ANALYTIC, CHOOSING

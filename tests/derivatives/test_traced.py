@@ -10,8 +10,8 @@ import pytest
 
 from evidence.compiled import compiled, traced
 from navfmu.derivatives import jacobian, value_and_jacobian
-from navfmu.export import trace
-from navfmu.export.graph import OPERATIONS
+from navfmu.export.record.graph import OPERATIONS
+from navfmu.export.tracing import trace
 from navfmu.export.twin import sources
 from tests.built import components
 

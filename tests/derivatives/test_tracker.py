@@ -67,7 +67,7 @@ def estimates(flight):
 def test_the_twin_carries_what_differentiates(harbour):
     carried = sources(harbour.Tracker)
     assert {"navfmu.derivatives.jacobian", "navfmu.derivatives.dual", "navfmu.place", "tracking"} <= set(carried)
-    assert not [name for name in carried if name.startswith("navfmu.export.trace")]
+    assert not [name for name in carried if name.startswith("navfmu.export.tracing.trace")]
 
 
 def test_native_and_twin_give_the_same_numbers(systems):

@@ -10,13 +10,14 @@ from evidence.compiled import compiled, linked, traced
 from evidence.drawn import INPUTS, draw
 from evidence.drawn import inputs as drawn_inputs
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Output, Parameter, State, every, trace
-from navfmu.export.codegen import generate
-from navfmu.export.extent import LARGE, Extent, extent, shortest
-from navfmu.export.graph import CALLS, Array, in_order
-from navfmu.export.lanes import evaluator, numpy_source
-from navfmu.export.lower import lower
-from navfmu.export.printer import c_function, c_helpers
+from navfmu.export import Component, Output, Parameter, State, every
+from navfmu.export.printing.codegen import generate
+from navfmu.export.printing.lanes import evaluator, numpy_source
+from navfmu.export.printing.printer import c_function, c_helpers
+from navfmu.export.record.graph import CALLS, Array, in_order
+from navfmu.export.tracing import trace
+from navfmu.export.tracing.extent import LARGE, Extent, extent, shortest
+from navfmu.export.tracing.lower import lower
 
 from .components import Wide
 

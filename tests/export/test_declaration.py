@@ -10,9 +10,9 @@ from numpy import array, full, where
 from evidence.compiled import Compiled, linked
 from navfmu.errors import NavfmuError
 from navfmu.export import Bundle, Component, Grid, Input, Output, Parameter, State, Table, every, on_new, require, start
-from navfmu.export.graph import elements_used
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.record.graph import elements_used
+from navfmu.export.tracing.lower import lower
 
 from .components import Listener, Sensor, Source
 

@@ -10,12 +10,12 @@ from fmpy.validation import validate_fmu
 from navfmu.errors import NavfmuError
 from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every, on_new, start
 from navfmu.export.build import build
-from navfmu.export.codegen import generate
-from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
-from navfmu.export.picture import panels
-from navfmu.export.response import step_response
+from navfmu.export.page.documentation import page
+from navfmu.export.page.picture import panels
+from navfmu.export.page.response import step_response
+from navfmu.export.printing.codegen import generate
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 
 from .arrays import Beacons, BeaconsAtOnce, Cube, Grid, Receiver, bank, listener

@@ -11,7 +11,7 @@ from navfmu import NavfmuError
 from navfmu.export import Component, Input, Output, Parameter, State, every, start
 from navfmu.export.build import build
 from navfmu.export.description import DISPLAY_UNITS, base_units, check_units, describe, initial_unknowns
-from navfmu.export.lower import lower
+from navfmu.export.tracing.lower import lower
 from tests import built
 
 from .arrays import Beacons, Cube, Receiver

@@ -9,8 +9,8 @@ from navfmu import NavfmuError, System
 from navfmu.export import Bundle, Component, Input, Output, Parameter, State, every
 from navfmu.export.build import build
 from navfmu.export.description import describe
-from navfmu.export.documentation import page
-from navfmu.export.lower import lower
+from navfmu.export.page.documentation import page
+from navfmu.export.tracing.lower import lower
 from navfmu.fmi.fmu import describe as read
 from navfmu.fmi.values import expand, quantity
 

@@ -12,10 +12,10 @@ from fmus.ahrs import Ahrs
 from navfmu import NavfmuError
 from navfmu.export import Component, Example, Output, Parameter, every, toolchain
 from navfmu.export.build import build, library, prepare
-from navfmu.export.documentation import page
-from navfmu.export.lower import lower
-from navfmu.export.picture import panels, picture
-from navfmu.export.response import Response, step_response
+from navfmu.export.page.documentation import page
+from navfmu.export.page.picture import panels, picture
+from navfmu.export.page.response import Response, step_response
+from navfmu.export.tracing.lower import lower
 from tests import built
 
 from .components import Planned, Searcher, Sensor, Source, TwoRates

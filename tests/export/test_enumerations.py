@@ -11,9 +11,9 @@ from navfmu import System
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Input, Output, Parameter, State, every
 from navfmu.export.build import build
-from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.page.documentation import page
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 from navfmu.faults import Fault
 from navfmu.ssp.writer import SystemSource

@@ -10,10 +10,11 @@ from evidence.compiled import compiled
 from evidence.drawn import INPUTS, draw, numbers
 from evidence.functions import FUNCTIONS
 from navfmu.errors import NavfmuError
-from navfmu.export import Component, Input, Output, Parameter, State, every, functions, linear, start, ufuncs
+from navfmu.export import Component, Input, Output, Parameter, State, every, start
 from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.rules import RULES
+from navfmu.export.tracing import functions, linear, ufuncs
+from navfmu.export.tracing.rules import RULES
 
 from .slave import ERROR, OK, Slave, Unzipped
 

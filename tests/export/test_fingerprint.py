@@ -45,10 +45,10 @@ def fingerprint(folder):
 @pytest.mark.parametrize(
     "file",
     [
-        "navfmu/export/prose.py",
+        "navfmu/export/page/prose.py",
         "navfmu/export/runtime/instance.h",
         "navfmu/export/licenses/license.txt",
-        "navfmu/export/templates/documentation.html.j2",
+        "navfmu/export/page/templates/documentation.html.j2",
         "navfmu/report/template.py",
         "navfmu/files/archive.py",
         "navfmu/errors.py",

@@ -5,10 +5,10 @@ import re
 import numpy as np
 
 from evidence.compiled import compiled
-from navfmu.export.codegen import generate
-from navfmu.export.graph import Node, element, number, settled
-from navfmu.export.lower import lower
-from navfmu.export.printer import c_function
+from navfmu.export.printing.codegen import generate
+from navfmu.export.printing.printer import c_function
+from navfmu.export.record.graph import Node, element, number, settled
+from navfmu.export.tracing.lower import lower
 
 from .components import Lag, Wide
 

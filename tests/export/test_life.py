@@ -12,10 +12,10 @@ import pytest
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, every, life, require
 from navfmu.export.build import build
-from navfmu.export.codegen import generate
 from navfmu.export.interpreter import Interpreter
 from navfmu.export.life import State
-from navfmu.export.lower import lower
+from navfmu.export.printing.codegen import generate
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 
 from .arrays import Cube, Receiver

@@ -11,7 +11,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, Table, every
 from navfmu.export.description import initial_unknowns
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 
 from .components import Planned

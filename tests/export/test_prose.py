@@ -2,7 +2,7 @@
 
 import pytest
 
-from navfmu.export.prose import blocks, pieces
+from navfmu.export.page.prose import blocks, pieces
 
 
 def kinds(text):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from navfmu.export.build import prepare
-from navfmu.export.lower import lower
+from navfmu.export.tracing.lower import lower
 from tests import sanitizers
 
 from .arrays import Cube, Receiver

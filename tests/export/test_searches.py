@@ -11,10 +11,10 @@ from navfmu.derivatives import jacobian
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Grid, Input, Output, Parameter, Table, every, require
 from navfmu.export.build import build
-from navfmu.export.codegen import generate
-from navfmu.export.interpolation import bilinear, fraction, linear
+from navfmu.export.declaration.interpolation import bilinear, fraction, linear
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.printing.codegen import generate
+from navfmu.export.tracing.lower import lower
 
 from .components import Searcher
 from .slave import OK, Slave, Unzipped

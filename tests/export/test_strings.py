@@ -15,9 +15,9 @@ from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from navfmu.export import Component, Example, Input, Output, Parameter, State, every, require
 from navfmu.export.build import build
-from navfmu.export.documentation import page
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.page.documentation import page
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 from navfmu.ssp.writer import SystemSource
 

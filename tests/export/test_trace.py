@@ -19,7 +19,7 @@ from numpy.random import random as drawn_by_name
 from evidence.compiled import compiled
 from evidence.compiled import traced as only_traced
 from navfmu.errors import NavfmuError
-from navfmu.export import trace
+from navfmu.export.tracing import trace
 
 ROOT = Path(__file__).parents[2]
 EYE = np.eye(3)

@@ -15,10 +15,10 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from navfmu import __version__
-from navfmu.export import functions
-from navfmu.export.bundle import TAKEN
-from navfmu.export.layout import RESERVED
-from navfmu.export.rules import RULES
+from navfmu.export.declaration.bundle import TAKEN
+from navfmu.export.declaration.layout import RESERVED
+from navfmu.export.tracing import functions
+from navfmu.export.tracing.rules import RULES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "tutorial_component.md").read_text(encoding="utf-8")
@@ -147,7 +147,7 @@ def test_the_filter_follows_the_boat(told):
 GROUND = """
 import ground, numpy
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
+from navfmu.export.tracing.lower import lower
 assert len(lower(ground.Ground).tables) == 2
 run = Interpreter(ground.Ground)
 run.set("place", [500.0, 0.0])

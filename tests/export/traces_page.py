@@ -14,8 +14,8 @@ import numpy as np
 
 from evidence.compiled import traced
 from navfmu.errors import NavfmuError
-from navfmu.export import extent, fresh, functions, linear, order
-from navfmu.export.rules import RULES
+from navfmu.export.tracing import extent, fresh, functions, linear, order
+from navfmu.export.tracing.rules import RULES
 
 from . import test_trace
 

@@ -9,8 +9,8 @@ from navfmu.errors import NavfmuError
 from navfmu.export import Component, Output, Parameter, Table, every
 from navfmu.export.build import build
 from navfmu.export.interpreter import Interpreter
-from navfmu.export.lower import lower
-from navfmu.export.printer import c_function, c_helpers
+from navfmu.export.printing.printer import c_function, c_helpers
+from navfmu.export.tracing.lower import lower
 from navfmu.export.twin import build_twin
 from navfmu.repetition import repeat
 from navfmu.repetition.repeat import masked

@@ -1,0 +1,1 @@
+"""What a component declares: variables, bundles, tasks, tables, requirements."""

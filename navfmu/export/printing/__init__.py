@@ -1,0 +1,1 @@
+"""The record becomes C, or NumPy."""

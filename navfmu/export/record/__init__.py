@@ -1,0 +1,1 @@
+"""What was recorded: variables, tasks, and graphs of operations."""
