@@ -1,7 +1,7 @@
 """An independent strapdown navigator: the motion integrated in inertial space from specific force and angular rate.
 
-It shares nothing with ``models.aircraft`` but the magnitude of gravity: no local level, no transport rate, no Coriolis
-term, no Euler angles. Attitude by a fourth-order Magnus step over two samples, position by twice integrating
+It shares nothing with ``models.motion.aircraft`` but the magnitude of gravity: no local level, no transport rate, no
+Coriolis term, no Euler angles. Attitude by a fourth-order Magnus step over two samples, position by twice integrating
 C_ib f + G(r), where G is gravity plus the centrifugal term, iterated (Picard) until it stands.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 import pymap3d
 from scipy.spatial.transform import Rotation
 
-from models import earth
+from models.earth import earth
 
 SPIN = np.array([0.0, 0.0, earth.EARTH_RATE])
 

@@ -9,8 +9,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fmus import stations
-from models import attitude, dme, earth, evaluation, magnetic_field, navigator
+from fmus.radio import stations
+from models.attitude import attitude
+from models.earth import earth
+from models.evaluation import evaluation
+from models.magnetic import magnetic_field
+from models.navigation import navigator
+from models.radio import dme
 
 SPEED = 46.3
 """90 kn in m/s."""

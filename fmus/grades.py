@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.earth import STANDARD_GRAVITY as G
-from models.magnetometer import MILLIGAUSS
+from models.earth.earth import STANDARD_GRAVITY as G
+from models.magnetic.magnetometer import MILLIGAUSS
 
 DEG = float(np.radians(1.0))
 DEG_PER_HOUR = DEG / 3600.0

@@ -17,8 +17,8 @@ from navfmu.export.build import build
 def components() -> dict[str, type[Component]]:
     """Every component declared in the folder fmus, by the name of its FMU."""
     found = {}
-    for info in pkgutil.iter_modules(fmus.__path__):
-        module = importlib.import_module(f"fmus.{info.name}")
+    for info in pkgutil.walk_packages(fmus.__path__, "fmus."):
+        module = importlib.import_module(info.name)
         for _, item in inspect.getmembers(module, inspect.isclass):
             if issubclass(item, Component) and item.__module__ == module.__name__:
                 found[item.layout.name] = item

@@ -1,12 +1,12 @@
 """The filter on U-D factors as it is written for a computer without arrays: number by number, in plain functions that
-are called in loops over the states. What :mod:`models.kalman_ud` says in whole arrays.
+are called in loops over the states. What :mod:`models.filters.kalman_ud` says in whole arrays.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from models.kalman_ud import column, diagonal, order, unit
+from models.filters.kalman_ud import column, diagonal, order, unit
 
 
 def weighted_sum(a, b, weights):

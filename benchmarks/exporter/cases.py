@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.exporter import by_elements, error_states, satellites
-from models import kalman, kalman_ud
+from models.filters import kalman, kalman_ud
 
 STATES_DRIVEN = {15: 9, 24: 9, 42: 10}
 """How many of the states are driven by others; the rest are Gauss-Markov processes."""

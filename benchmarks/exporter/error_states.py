@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models import kalman
+from models.filters import kalman
 
 
 def moved(matrix, period, force_n, C_nb, factor_gyro, factor_accelerometer):

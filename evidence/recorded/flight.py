@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from evidence.recorded.stations import Usable
-from fmus.stations import StationSet
-from models import magnetic_field
+from fmus.radio.stations import StationSet
+from models.magnetic import magnetic_field
 from navfmu.faults import Fault
 from navfmu.recorded.archive import write_fmu
 from navfmu.recorded.importer import Imported, import_track

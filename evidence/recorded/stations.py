@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pymap3d
 
-from fmus.stations import FOOT, NAUTICAL_MILE, PLACES, Station
-from models import dme
+from fmus.radio.stations import FOOT, NAUTICAL_MILE, PLACES, Station
+from models.radio import dme
 
 ANTENNA = 10.0
 """Height of a station's antenna above its ground, m."""

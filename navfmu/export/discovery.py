@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from navfmu.errors import NavfmuError, nearest
@@ -17,7 +17,8 @@ def components(folder: str | Path) -> dict[str, type[Component]]:
     """Return the components that the modules in ``folder`` define, by name, sorted.
 
     A folder with ``__init__.py`` is imported as a package from its parent folder, so that its modules can import its
-    neighbours; else the folder itself is where imports are looked up. Names that begin with an underscore are helpers.
+    neighbours; else the folder itself is where imports are looked up. The packages in it are looked through as well.
+    Names that begin with an underscore are helpers.
     """
     folder = resolved(folder)
     if what_is(folder) != "a folder":
@@ -27,10 +28,8 @@ def components(folder: str | Path) -> dict[str, type[Component]]:
     if root not in sys.path:
         sys.path.insert(0, root)
     found: dict[str, type[Component]] = {}
-    for file in sorted(folder.glob("*.py")):
-        if file.stem.startswith("_"):
-            continue
-        module = _import(f"{folder.name}.{file.stem}" if package else file.stem, file)
+    for file in _modules(folder):
+        module = _import(".".join(file.relative_to(root).with_suffix("").parts), file)
         for item in vars(module).values():
             if not (isinstance(item, type) and issubclass(item, Component)) or item.__module__ != module.__name__:
                 continue
@@ -54,6 +53,16 @@ def choose(known: dict[str, type[Component]], names: Iterable[str]) -> list[type
                 f"there is no component '{name}'; expected one of {', '.join(known)}{nearest(name, known)}"
             )
     return [known[name] for name in names or known]
+
+
+def _modules(folder: Path) -> Iterator[Path]:
+    for file in sorted(folder.iterdir()):
+        if file.name.startswith(("_", ".")):
+            continue
+        if file.suffix == ".py" and file.is_file():
+            yield file
+        elif (file / "__init__.py").is_file():
+            yield from _modules(file)
 
 
 def _import(name: str, file: Path):

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmus.flight_plans import FLIGHT_PLANS
 from fmus.grades import GRADES, ahrs_parameters
-from fmus.stations import STATION_SETS
+from fmus.motion.flight_plans import FLIGHT_PLANS
+from fmus.radio.stations import STATION_SETS
 from navfmu.ssp.writer import SystemSource
 
 HERE = Path(__file__).parent

@@ -10,7 +10,7 @@ from benchmarks.exporter.cases import STATES_DRIVEN, cases
 from benchmarks.exporter.contests import flat
 from benchmarks.exporter.loops import Loops
 from benchmarks.exporter.translated import Translated
-from models import kalman, kalman_ud
+from models.filters import kalman, kalman_ud
 from navfmu.export import toolchain
 
 CASES = {case.name: case for case in cases() if case.states == 15}

@@ -61,6 +61,21 @@ def test_the_fmu_has_the_name_that_was_asked_for(name, tmp_path):
     assert python(tmp_path.parent, "-c", text).stdout.split() == [name]
 
 
+def test_components_are_found_in_packages_of_the_folder_too(tmp_path):
+    text = f"from navfmu.export.discovery import components; print(*components({str(tmp_path / 'kit')!r}))"
+    new("radio_altimeter", tmp_path)
+    new("gps", tmp_path)
+    for folder in ("kit/radio", "kit/satellite/receivers", "kit/_drafts"):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "__init__.py").write_text("")
+    for folder in ("kit", "kit/satellite"):
+        (tmp_path / folder / "__init__.py").write_text("")
+    for draft in ("kit/_drafts", "kit/radio"):
+        (tmp_path / draft / "radio_altimeter.py").write_text((tmp_path / "radio_altimeter.py").read_text())
+    (tmp_path / "kit/satellite/receivers/gps.py").write_text((tmp_path / "gps.py").read_text())
+    assert python(tmp_path.parent, "-c", text).stdout.split() == ["gps", "radio_altimeter"]
+
+
 @pytest.mark.parametrize(
     ("name", "sentence"),
     [

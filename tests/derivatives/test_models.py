@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from models import ahrs, attitude, dme, earth, navigator
+from models.attitude import ahrs, attitude
+from models.earth import earth
+from models.navigation import navigator
+from models.radio import dme
 from navfmu.derivatives import jacobian, value_and_jacobian
 
 SEEDS = range(5)

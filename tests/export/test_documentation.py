@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from fmus.ahrs import Ahrs
+from fmus.attitude.ahrs import Ahrs
 from navfmu import NavfmuError
 from navfmu.export import Component, Example, Output, Parameter, every, toolchain
 from navfmu.export.build import build, library, prepare

@@ -296,7 +296,7 @@ def test_twin_carries_one_module_with_a_name_of_its_own(twins):
     assert sorted(own) == [f"resources/{module}.py", "resources/slavemodule.txt"]
     assert module.startswith("imu_") and len(module) == len("imu_") + 16
     assert "class ImuSlave(Fmi2Slave):" in text
-    assert {"models.inertial", "fmus.imu", "navfmu.export.interpreter"} <= set(sources(EVERY["imu"]))
+    assert {"models.inertial.inertial", "fmus.inertial.imu", "navfmu.export.interpreter"} <= set(sources(EVERY["imu"]))
     assert "import ziglang" not in text
 
 

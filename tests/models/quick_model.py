@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from models import dme, kalman, navigator
+from models.filters import kalman
+from models.navigation import navigator
+from models.radio import dme
 
 SPEED = 46.3
 LOSS = 300.0
 STOP = 2100.0
 STATIONS = np.array([[20.8e3, -8.3e3], [34.0e3, 38.8e3]])
-"""North and east of the runway: the pair thesis_like of fmus.stations."""
+"""North and east of the runway: the pair thesis_like of fmus.radio.stations."""
 SIGMAS = ((5.0, 400.0), (np.radians(2.5), 120.0), (2.6, 400.0))
 """Wind, heading, airspeed: sigma and tau."""
 

@@ -4,10 +4,13 @@ import numpy as np
 import pygeomag
 import pytest
 
-from fmus.ahrs import Ahrs
+from fmus.attitude.ahrs import Ahrs
 from fmus.grades import GRADES, MAGNETOMETER, ahrs_parameters
-from models import ahrs, attitude, earth, kalman, magnetometer
-from models.flight_plan import FlightPlan, straight, turn
+from models.attitude import ahrs, attitude
+from models.earth import earth
+from models.filters import kalman
+from models.magnetic import magnetometer
+from models.motion.flight_plan import FlightPlan, straight, turn
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 

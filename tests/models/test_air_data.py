@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fmus.air_data import AirData
+from fmus.air.air_data import AirData
 from fmus.grades import AIR_DATA
-from models import air_data, atmosphere
+from models.air import air_data, atmosphere
 from tests.models.native import Native, interpret
 
 CALIBRATED = {"pitot_coefficient_sigma": 0.0, "pressure_offset_sigma": 0.0, "temperature_error_sigma": 0.0}

@@ -7,10 +7,13 @@ import pymap3d
 import pytest
 
 from evidence.strapdown import navigate
-from fmus.aircraft import Aircraft
-from fmus.flight_plans import FLIGHT_PLANS, LIVERMORE_25L, LIVERMORE_25L_COURSE
-from models import aircraft, attitude, earth, lags
-from models.flight_plan import FlightPlan, Segment, straight, turn
+from fmus.motion.aircraft import Aircraft
+from fmus.motion.flight_plans import FLIGHT_PLANS, LIVERMORE_25L, LIVERMORE_25L_COURSE
+from models.attitude import attitude
+from models.earth import earth
+from models.motion import aircraft
+from models.motion.flight_plan import FlightPlan, Segment, straight, turn
+from models.processes import lags
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from models import attitude
+from models.attitude import attitude
 
 RNG = np.random.default_rng(4)
 ANGLES = np.column_stack([RNG.uniform(-np.pi, np.pi, 50), RNG.uniform(-1.5, 1.5, 50), RNG.uniform(-np.pi, np.pi, 50)])

@@ -5,8 +5,8 @@ import pymap3d
 import pytest
 from scipy import stats
 
-from fmus.dme import Dme
-from models import dme
+from fmus.radio.dme import Dme
+from models.radio import dme
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 

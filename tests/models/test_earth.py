@@ -5,7 +5,7 @@ import numpy as np
 import pymap3d
 import pytest
 
-from models import earth
+from models.earth import earth
 
 LATITUDES = np.radians([-89.0, -45.0, -12.3, 0.0, 37.7, 60.0, 89.9])
 

@@ -4,8 +4,8 @@ import numpy as np
 import pymap3d
 import pytest
 
-from fmus.evaluation import Evaluation
-from models import evaluation
+from fmus.evaluation.evaluation import Evaluation
+from models.evaluation import evaluation
 from tests.models.native import interpret
 
 

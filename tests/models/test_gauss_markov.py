@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from models import gauss_markov
+from models.processes import gauss_markov
 
 
 @pytest.mark.parametrize("period", [0.01, 1.0, 100.0, 4000.0])

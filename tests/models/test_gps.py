@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fmus.gps import Gps
-from models import earth, gps
+from fmus.satellite.gps import Gps
+from models.earth import earth
+from models.satellite import gps
 from tests.models.native import Native, interpret
 
 TRUTH = {

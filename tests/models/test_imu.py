@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from fmus.grades import GRADES
-from fmus.imu import Imu
+from fmus.inertial.imu import Imu
 from tests.models.native import Native, interpret
 
 CALIBRATED = {

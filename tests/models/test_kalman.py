@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models import kalman
+from models.filters import kalman
 
 
 def covariance(rng, n):

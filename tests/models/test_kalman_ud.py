@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from models import kalman, kalman_ud
+from models.filters import kalman, kalman_ud
 
 
 def random_covariance(rng, n):

@@ -6,8 +6,10 @@ import pytest
 from scipy import stats
 
 from fmus.grades import CRUSTAL_LENGTH, MAGNETOMETER
-from fmus.magnetometer import Magnetometer
-from models import attitude, earth, magnetic_field, magnetometer
+from fmus.magnetic.magnetometer import Magnetometer
+from models.attitude import attitude
+from models.earth import earth
+from models.magnetic import magnetic_field, magnetometer
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 

@@ -5,10 +5,13 @@ import pymap3d
 import pytest
 from scipy import linalg, stats
 
-from fmus import stations
-from fmus.flight_plans import FLIGHT_PLANS
-from fmus.navigator import Navigator
-from models import dme, earth, kalman, navigator
+from fmus.motion.flight_plans import FLIGHT_PLANS
+from fmus.navigation.navigator import Navigator
+from fmus.radio import stations
+from models.earth import earth
+from models.filters import kalman
+from models.navigation import navigator
+from models.radio import dme
 from tests.models import quick_model
 from tests.models.native import Native, interpret
 

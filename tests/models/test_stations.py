@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from fmus.flight_plans import FLIGHT_PLANS
-from fmus.stations import PLACES, STATION_SETS
-from models import dme, navigator
+from fmus.motion.flight_plans import FLIGHT_PLANS
+from fmus.radio.stations import PLACES, STATION_SETS
+from models.navigation import navigator
+from models.radio import dme
 
 
 def along_the_flight(name, count):

@@ -5,9 +5,12 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from fmus.aircraft import Aircraft
-from models import aircraft, attitude, lags, turbulence, wander
-from models.flight_plan import FlightPlan, straight
+from fmus.motion.aircraft import Aircraft
+from models.air import turbulence
+from models.attitude import attitude
+from models.motion import aircraft, wander
+from models.motion.flight_plan import FlightPlan, straight
+from models.processes import lags
 from tests.models.native import Native
 
 CALM = {"wander_sigma": np.zeros(3), "gust_sigma": np.zeros(3)}

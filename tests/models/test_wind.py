@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fmus.wind import Wind
+from fmus.air.wind import Wind
 from tests.models.native import Native, interpret
 
 COUNT = 400

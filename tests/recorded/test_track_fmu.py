@@ -14,9 +14,9 @@ from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
 from evidence.strapdown import navigate
-from fmus.aircraft import Aircraft
-from fmus.track import Track
-from models import attitude
+from fmus.motion.aircraft import Aircraft
+from fmus.motion.track import Track
+from models.attitude import attitude
 from navfmu.cli.track import command
 from navfmu.errors import NavfmuError
 from navfmu.export import Input, Output

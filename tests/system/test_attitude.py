@@ -4,8 +4,8 @@ import numpy as np
 import pygeomag
 import pytest
 
-from fmus.ahrs import Ahrs
-from models import magnetic_field
+from fmus.attitude.ahrs import Ahrs
+from models.magnetic import magnetic_field
 from navfmu import System
 from navfmu.faults import Fault
 from navfmu.recorded.archive import write_fmu

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fmus.stations import STATION_SETS
+from fmus.radio.stations import STATION_SETS
 from navfmu.faults import Fault
 from tests.system import full_order
 

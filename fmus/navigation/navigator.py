@@ -1,0 +1,589 @@
+"""The FMU ``navigator``: DME-aided dead reckoning, the backup when GPS is lost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fmus import examples
+from fmus.grades import AIR_DATA
+from fmus.radio import stations
+from models.air import turbulence
+from models.filters import kalman
+from models.navigation import navigator
+from models.processes import gauss_markov
+from models.radio import dme
+from models.satellite import gps
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
+
+PLACES = stations.PLACES
+STATES = 2 + navigator.VELOCITIES + PLACES
+LONG_AGO = -1.0e9
+FOREVER = 1.0e12
+"""Correlation time of what is constant, s."""
+SLOW = 1.0
+"""Speed and error of a speed below which neither says how an error grows, m/s."""
+BEGUN_ANEW = 1.0e4
+"""Variance of a position that is not believed at all, in squares of what it is wrong by."""
+
+
+class Navigator(stations.StationTable, Component):
+    """Backup navigator: dead reckoning with airspeed, heading and wind, aided by GPS while there is GPS, then by DME.
+
+    Thesis section 2.3 (calibrating and coasting phase) and 6.4 (full-order filter). Position is propagated by
+
+        d(latitude)/dt = (V cos(heading) + V_NS) / (R_NS + h)                                (6.22)
+        d(longitude)/dt = (V sin(heading) + V_EW) / ((R_EW + h) cos(latitude))               (6.23)
+
+    every `update_period`, with heading carried from its time of validity to now by the yaw rate (at most 1 s), and h
+    positive up. An extended Kalman filter has the perturbations (6.24) as states: north and east position, north and
+    east wind and its mean, the error of air velocity along the nose (airspeed) and across it (heading times airspeed),
+    and the bias of the range of each station. It is corrected in two phases:
+
+    - *calibrating* (`mode` 1): each GPS fix corrects position (2 m) and velocity. A position beyond the gate is begun
+      anew from the fix, without conclusions as to the wind.
+    - *coasting* (`mode` 2): from the moment a fix is invalid or overdue by `fix_timeout`. Each DME range corrects
+      along its line of sight, one scalar update after the other: L = P H' (H P H' + R)^-1 (the thesis prints H' P H in
+      (6.39)), P+ = (I - L H) P (6.42). Residuals are measured minus predicted slant range on the ellipsoid, at the
+      range's time of validity, instead of the ranges projected on a plane of (6.32). When GPS returns, so does the
+      calibrating phase.
+
+    The same filter runs through both: there is no switch-over, hence no step at the switch.
+
+    *Error model.* Wind, airspeed, heading and range biases are Gauss-Markov with the sigmas and times of Table 6.1; the
+    bias's time is 0.5 nmi / V, V the ground speed. The sigmas of heading and airspeed are what their instruments say of
+    themselves (`attitude.heading_sigma`, `air.true_airspeed_sigma`). Gusts are too short to be states: a random walk of
+    position and white noise on GPS velocity with their long-run density. The estimates decay as their models say, wind
+    to its mean over the flight (the thesis keeps the estimates and lets their errors decay, which contradicts each
+    other). That mean is a constant that nobody knows beforehand: forecast `wind_mean` with `wind_mean_sigma`, learned
+    from what GPS shows, and afterwards from ranges, with what is not known of it in the claim. The thesis flies with
+    the four states (6.54) and the wide-band noise of the ranges alone (6.40): `bias_sigma` 0 leaves the biases out as
+    it does, and the filter then claims 10 m and is hundreds of metres wrong.
+
+    *Without heading or airspeed* (`attitude.valid` or `air.valid` false) the last air velocity is held. The aircraft
+    may turn anywhere: the errors along and across the nose get the ground speed that GPS last showed, or the airspeed
+    if that is more, as their sigma, and live for `blind_time`. The DME ranges then carry the solution.
+
+    *Gate.* A range whose innovation is larger than `innovation_gate` standard deviations is not used, and counted in
+    `rejected`. The variant as printed has none.
+
+    *Doubt.* Heading and airspeed may be wrong by more than they say. So there are two of this filter, on the same
+    measurements: one believes them, to the other the error of the air velocity has that speed as its sigma (divided by
+    sqrt(2) along and across). The ranges tell which one is right: their likelihoods by either make the odds
+    (`log_odds`), from `prior` on and never below it, and the solution and its covariance are those of the mixture.
+    From odds of 1 / prior^2 on, or if an estimate is further from what its model expects than `estimate_limit` allows,
+    the first filter is no longer heard (`doubted`) until GPS is back.
+
+    A range that the first filter refuses counts as far as it is news, 1 - exp(-dt / tau) with the time tau of the bias.
+    One that the second refuses, too, widens its position, by what its variance lacks of the innovation's square,
+    as far as it is news. Neither is so while the station is outvoted: by more stations whose ranges are used and cross
+    well (dilution at most `dilution_limit`). A single station whose range jumps by more than bias and aircraft can have
+    changed since it was last heard is not used until it jumps again or GPS is back (`astray`).
+
+    *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
+    """
+
+    example = Example(
+        text="Level flight to the west at 90 kn in a wind of 15 kn, with heading wrong by 1 degree and airspeed by "
+        "2 m/s. GPS is lost at 300 s (dotted). While there is GPS the position is good to metres and the wind "
+        "is learned (together with what heading and airspeed are wrong by). Then one DME range every 15 s, each "
+        "wrong by some 315 m, keeps the error inside three sigma (dashed).",
+        duration=1200.0,
+        step=0.1,
+        mark=examples.GPS_LOST,
+        inputs=examples.navigator_inputs,
+        periods={"fix": 1.0, "ranging": 15.0},
+        shows=("solution.wind_n", "mode", "hdop", "used"),
+        panels=examples.navigator_panels,
+    )
+
+    attitude = Bundle(
+        heading=Input("rad", display_unit="deg", description="true heading"),
+        yaw_rate=Input("rad/s", display_unit="deg/s", description="rate of heading"),
+        heading_sigma=Input(
+            "rad",
+            start=np.radians(2.5),
+            min=0.0,
+            display_unit="deg",
+            description="standard deviation of heading by its reference (thesis (3.84), p. 101: 2.5 deg)",
+        ),
+        description="attitude",
+    )
+    air = Bundle(
+        true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"),
+        true_airspeed_sigma=Input(
+            "m/s",
+            start=AIR_DATA["airspeed_error_sigma"],
+            min=0.0,
+            display_unit="kn",
+            description="standard deviation of true airspeed by its instrument (thesis (3.32), p. 64, has 2.6 m/s of "
+            "the indicated one)",
+        ),
+        pressure_altitude=Input("m", display_unit="ft", description="pressure altitude"),
+        description="air data",
+    )
+    fix = Bundle(
+        latitude=Input("rad", display_unit="deg", description="geodetic latitude of the fix"),
+        longitude=Input("rad", display_unit="deg", description="longitude of the fix"),
+        altitude=Input("m", display_unit="ft", description="height of the fix above the ellipsoid"),
+        velocity_n=Input(3, "m/s", display_unit="kn", description="velocity over ground: north, east, down"),
+        description="GPS fix",
+    )
+    ranging = Bundle(
+        slant_range=Input(PLACES, "m", display_unit="nmi", description="measured distance to each station"),
+        measured=Input(PLACES, kind="boolean", description="which ranges were measured"),
+        description="DME ranges",
+    )
+
+    dme_aiding = Parameter(kind="boolean", start=True, description="whether DME ranges are used; false: open loop")
+    update_period = Parameter("s", start=0.1, min=0.001, max=1.0, description="period of dead reckoning")
+    fix_timeout = Parameter(
+        "s", start=3.0, min=0.0, max=3600.0, description="age of the last good fix from which GPS counts as lost"
+    )
+    wind_mean = Parameter(
+        2,
+        "m/s",
+        start=0.0,
+        min=-100.0,
+        max=100.0,
+        display_unit="kn",
+        description="forecast of the mean wind, north and east",
+    )
+    wind_mean_sigma = Parameter(
+        "m/s",
+        start=8.0,
+        min=0.0,
+        max=100.0,
+        display_unit="kn",
+        description="standard deviation of the mean wind about this forecast, on each axis; 0: it is known",
+    )
+    wind_sigma = Parameter(
+        "m/s",
+        start=5.0,
+        min=0.0,
+        display_unit="kn",
+        description="standard deviation of the wind about its mean (thesis (3.36), p. 69)",
+    )
+    wind_time = Parameter("s", start=400.0, min=1.0, description="correlation time of the wind (thesis (3.36))")
+    heading_time = Parameter(
+        "s", start=120.0, min=1.0, description="correlation time of the heading error (thesis (3.85))"
+    )
+    airspeed_time = Parameter(
+        "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
+    )
+    gust_sigma = Parameter(
+        "m/s",
+        start=turbulence.GUST_SIGMA,
+        min=0.0,
+        display_unit="kn",
+        description="intensity of the gusts on each axis: 5 ft/s; light turbulence of MIL-F-8785C has 7 ft/s",
+    )
+    gust_length = Parameter(
+        "m",
+        start=turbulence.GUST_LENGTH,
+        min=1.0,
+        display_unit="ft",
+        description="scale of the gusts, MIL-F-8785C: 1750 ft",
+    )
+    fix_sigma = Parameter(
+        "m",
+        start=gps.HORIZONTAL_SIGMA,
+        min=1.0e-3,
+        description="standard deviation of north and of east of a fix (thesis section 3.10)",
+    )
+    velocity_sigma = Parameter(
+        "m/s", start=gps.VELOCITY_SIGMA, min=1.0e-3, description="standard deviation of GPS velocity, each component"
+    )
+    bias_sigma = Parameter(
+        "m",
+        start=dme.BIAS_SIGMA,
+        min=0.0,
+        display_unit="nmi",
+        description="standard deviation of the bias of DME ranges: 0.17 nmi (thesis (3.38), p. 72)",
+    )
+    correlation_distance = Parameter(
+        "m",
+        start=dme.CORRELATION_DISTANCE,
+        min=1.0,
+        display_unit="nmi",
+        description="distance over which that bias is correlated: 0.5 nmi (thesis (3.38))",
+    )
+    noise_sigma = Parameter(
+        "m",
+        start=dme.NOISE_SIGMA,
+        min=1.0e-3,
+        display_unit="nmi",
+        description="standard deviation of the wide-band noise of DME ranges: 0.004 nmi (thesis (3.38), (6.40))",
+    )
+    innovation_gate = Parameter(
+        "1",
+        start=4.0,
+        min=0.0,
+        description="ranges with a larger innovation, in standard deviations, are rejected; 0: none (own choice)",
+    )
+    geometry_window = Parameter(
+        "s",
+        start=90.0,
+        min=0.0,
+        description="stations whose ranges were used within this time count in `hdop` "
+        "(own choice: five stations in turn, one every 15 s)",
+    )
+    prior = Parameter(
+        "1",
+        start=1.0e-3,
+        min=0.0,
+        max=0.5,
+        description="probability, before any range tells, that heading or airspeed are wrong by more than they say; "
+        "0: they are believed whatever ranges say (own choice)",
+    )
+    estimate_limit = Parameter(
+        "1",
+        start=5.0,
+        min=0.0,
+        description="standard deviations of its own model beyond which an estimate contradicts it (own choice)",
+    )
+    dilution_limit = Parameter(
+        "1",
+        start=2.83,
+        min=1.0,
+        description="dilution up to which stations fix a position: lines of sight that cross at 30 to 150 degrees "
+        "(AC 90-100A)",
+    )
+    blind_time = Parameter(
+        "s",
+        start=60.0,
+        min=1.0,
+        description="time in which the aircraft may turn away while heading or airspeed are missing (own choice)",
+    )
+    climb_time = Parameter(
+        "s", start=10.0, min=0.01, description="time constant of the vertical speed filter (own choice)"
+    )
+    altitude_gain = Parameter(
+        "1",
+        start=0.05,
+        min=0.0,
+        max=1.0,
+        description="part of the altitude error corrected by each GPS fix (own choice)",
+    )
+
+    solution = Bundle(
+        latitude=Output("rad", display_unit="deg", description="estimated geodetic latitude"),
+        longitude=Output("rad", display_unit="deg", description="estimated longitude"),
+        altitude=Output("m", display_unit="ft", description="estimated height above the ellipsoid"),
+        velocity_n=Output(3, "m/s", display_unit="kn", description="estimated velocity over ground: north, east, down"),
+        wind_n=Output(2, "m/s", display_unit="kn", description="estimated wind: north, east"),
+        description="navigation solution",
+    )
+    north_sigma = Output("m", description="standard deviation of north position by the filter's covariance")
+    east_sigma = Output("m", description="standard deviation of east position by the filter's covariance")
+    mode = Output(kind="integer", min=0, max=2, description="0 initialising, 1 calibrating (GPS), 2 coasting (no GPS)")
+    hdop = Output(
+        "1", start=99.0, description="dilution of precision of the ranges used lately; 99: lines do not cross"
+    )
+    doubted = Output(kind="boolean", description="ranges have contradicted heading or airspeed since GPS was lost")
+    rejected = Output(kind="integer", min=0, description="number of ranges that the innovation gate rejected")
+    used = Output(kind="integer", min=0, description="number of ranges that corrected the solution")
+
+    latitude = State(2, "rad", display_unit="deg", description="geodetic latitude by either filter")
+    longitude = State(2, "rad", display_unit="deg", description="longitude by either filter")
+    altitude = State("m", display_unit="ft", description="height above the ellipsoid")
+    altitude_offset = State("m", description="altitude minus pressure altitude, learned from GPS")
+    pressure_altitude = State("m", description="last pressure altitude")
+    climb = State("m/s", description="filtered vertical speed, positive up")
+    wind = State((2, 2), "m/s", description="wind of either filter: north, east")
+    mean_wind = State((2, 2), "m/s", description="its mean over the flight")
+    air_error = State((2, 2), "m/s", description="to be added to the measured air velocity: along the nose, across")
+    range_bias = State((2, PLACES), "m", description="bias of each station's ranges")
+    modelled = State(
+        (2, STATES - 2), "1", description="standard deviations of wind, its mean, air_error and range_bias"
+    )
+    airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
+    nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
+    air_velocity = State((2, 2), "m/s", description="velocity relative to the air: north, east; corrected")
+    covariances = State(
+        (2, STATES * (STATES + 1) // 2),
+        "1",
+        description="of either filter the upper triangle of the covariance of (6.24), row by row; m and m/s",
+    )
+    covariance = State(3, "m2", description="covariance of position: north, north with east, east")
+    had_air = State(kind="boolean", description="air data and heading have been seen")
+    initialised = State(kind="boolean", description="the first fix has been seen")
+    fix_time = State("s", start=LONG_AGO, description="time of the last good fix")
+    last_speed = State("m/s", display_unit="kn", description="ground speed by the last good fix")
+    fix_good = State(kind="boolean", description="the last report of the receiver was a good fix")
+    range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
+    refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
+    log_odds = State("1", description="logarithm of the odds that air data and heading are not to be believed")
+    innovation = State(
+        (2, PLACES), "m", description="each station's last range less what the solution now says, taken or not"
+    )
+    astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
+
+    def error_model(self, speed, seen):
+        """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed`` of each
+        filter, shape (2, states); ``seen``: there are heading and airspeed."""
+        doubt = np.where(seen, np.array([0.0, np.sqrt(0.5)]), 1.0) * self.top_speed()
+        own = np.ones((2, 1))
+        sigmas = np.concatenate(
+            [
+                self.wind_sigma * np.ones((2, 2)),
+                self.wind_mean_sigma * np.ones((2, 2)),
+                np.hypot(self.air.true_airspeed_sigma, doubt)[:, None],
+                np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)[:, None],
+                self.bias_sigma * np.ones((2, PLACES)),
+            ],
+            -1,
+        )
+        bias_time = self.correlation_distance / np.maximum(speed, 1.0)
+        times = np.concatenate(
+            [
+                self.wind_time * np.ones((2, 2)),
+                FOREVER * np.ones((2, 2)),
+                own * np.where(seen, np.stack([self.airspeed_time, self.heading_time]), self.blind_time),
+                bias_time[:, None] * np.ones(PLACES),
+            ],
+            -1,
+        )
+        return sigmas, times
+
+    def rescaled(self, sigmas, airspeed, seen):
+        """What errors are multiplied by as the speed changes, shape (2, states): what is wrong with the airspeed goes
+        with its sigma, heading with the airspeed, and air velocity that is not believed with its own speed. What is
+        slower than ``SLOW`` counts as that: an error that is next to nothing tells nothing of a larger one."""
+        grown = np.maximum(sigmas[:, 4:6], SLOW) / np.maximum(self.modelled[:, 4:6], SLOW)
+        faster = np.maximum(airspeed, SLOW) / np.maximum(self.airspeed, SLOW)
+        air = np.where(seen, np.where(np.array([[0.0, 1.0], [0.0, 0.0]]) > 0.5, faster, grown), 1.0)
+        return np.concatenate([np.ones((2, 4)), air, np.ones((2, PLACES))], -1)
+
+    def least_odds(self):
+        """Logarithm of the odds before any range tells."""
+        return np.log(np.maximum(self.prior, 1.0e-300))
+
+    def doubt(self):
+        """Probability that air data and heading are not to be believed."""
+        return np.where(self.doubted, 1.0, 1.0 / (1.0 + np.exp(-self.log_odds)))
+
+    def top_speed(self):
+        """The faster of ground speed by the last fix and airspeed, m/s: GPS may have been lost before take-off."""
+        return np.maximum(self.last_speed, self.airspeed)
+
+    def gusts(self, since):
+        """Variance of independent gusts every ``since`` s that do the same to position as those that last, (m/s)^2."""
+        time = self.gust_length / np.maximum(self.last_speed, 1.0)
+        return gauss_markov.white_equivalent(self.gust_sigma**2, since, time)
+
+    @every("update_period")
+    def dead_reckon(self):
+        step = self.period
+        seen = np.logical_and(self.attitude.valid, self.air.valid)
+        before = self.air_velocity + self.wind
+        sigmas, times = self.error_model(np.sqrt(np.sum(before * before, axis=-1)), seen)
+        decay = np.exp(-step / times)
+        airspeed = np.where(seen, self.air.true_airspeed, self.airspeed)
+        factor, added = navigator.follow(self.modelled, sigmas, decay, self.rescaled(sigmas, airspeed, seen))
+        air_error = factor[:, 4:6] * self.air_error
+        wind = self.mean_wind + factor[:, :2] * (self.wind - self.mean_wind)
+
+        age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
+        heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
+        rows = navigator.velocity_rows(heading)
+        now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 4:].T
+        over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)
+        latitude, longitude = navigator.advance(self.latitude, self.longitude, self.altitude, over_ground.T, step)
+        walk = self.gusts(step) * step * step
+        covariances = navigator.propagate(self.covariances, step, rows, factor, added, walk)
+        running = self.initialised
+        self.latitude = np.where(running, latitude, self.latitude)
+        self.longitude = np.where(running, longitude, self.longitude)
+        self.wind = np.where(running, wind, self.wind)
+        self.air_error = np.where(running, air_error, self.air_error)
+        self.range_bias = factor[:, 6:] * self.range_bias
+        self.covariances = np.where(running, covariances, self.covariances)
+        self.modelled = sigmas
+        self.nose = heading
+        self.airspeed = airspeed
+
+        pressure_altitude = np.where(self.air.valid, self.air.pressure_altitude, self.pressure_altitude)
+        rise = np.where(self.had_air, pressure_altitude - self.pressure_altitude, 0.0)
+        self.climb = self.climb + (rise - self.climb * step) / np.maximum(self.climb_time, step)
+        self.pressure_altitude = pressure_altitude
+        self.altitude = pressure_altitude + self.altitude_offset
+        self.air_velocity = now
+        self.had_air = np.logical_or(self.had_air, seen)
+
+    @on_new("fix")
+    def take_fix(self):
+        good = self.fix.valid
+        first = np.logical_and(good, np.logical_not(self.initialised))
+        start = np.concatenate([self.fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
+        latitude = np.where(first, self.fix.latitude, self.latitude)
+        longitude = np.where(first, self.fix.longitude, self.longitude)
+        self.wind = np.where(first, self.wind_mean, self.wind)
+        self.mean_wind = np.where(first, self.wind_mean, self.mean_wind)
+        start_covariances = np.stack([kalman.of_variances(start[0]), kalman.of_variances(start[1])])
+        covariances = np.where(first, start_covariances, self.covariances)
+
+        age = self.time - self.fix.time_of_validity
+        velocity = self.air_velocity + self.wind
+        offset = navigator.offset(latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude)
+        residual = velocity * age + offset.T
+        squares = residual * residual
+        within = self.innovation_gate**2 * (kalman.diagonal(covariances)[:, :2] + self.fix_sigma**2)
+        beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within, axis=-1)
+        begun = navigator.anew(covariances, (BEGUN_ANEW * np.max(squares, axis=-1))[:, None])
+        since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
+        correction, self.covariances = navigator.fix_updates(
+            np.zeros((2, STATES)),
+            np.where(beyond[:, None], begun, covariances),
+            residual,
+            self.fix.velocity_n[:2] - velocity,
+            navigator.velocity_rows(self.nose),
+            (self.fix_sigma**2, self.velocity_sigma**2 + self.gusts(since)),
+            (good, np.logical_and(good, self.had_air)),
+        )
+        self.latitude, self.longitude = latitude, longitude
+        self.correct(correction)
+
+        error = self.fix.altitude - self.pressure_altitude - self.altitude_offset
+        gain = np.where(first, 1.0, self.altitude_gain)
+        self.altitude_offset = self.altitude_offset + np.where(good, gain * error, 0.0)
+        self.altitude = self.pressure_altitude + self.altitude_offset
+        self.fix_time = np.where(good, self.fix.time_of_validity, self.fix_time)
+        self.fix_good = good
+        ground_speed = np.sqrt(np.sum(self.fix.velocity_n[:2] * self.fix.velocity_n[:2]))
+        self.last_speed = np.where(good, ground_speed, self.last_speed)
+        self.initialised = np.logical_or(self.initialised, good)
+        self.doubted = np.logical_and(self.doubted, np.logical_not(good))
+        self.log_odds = np.where(good, self.least_odds(), self.log_odds)
+        self.astray = np.logical_and(self.astray, np.logical_not(good))
+
+    def correct(self, correction):
+        """Blend the corrections of (6.24) into the estimates, thesis (6.43)-(6.51)."""
+        self.latitude, self.longitude = navigator.advance(
+            self.latitude, self.longitude, self.altitude, correction[:, :2].T, 1.0
+        )
+        self.wind = self.wind + correction[:, 2:4] + correction[:, 4:6]
+        self.mean_wind = self.mean_wind + correction[:, 4:6]
+        self.air_error = self.air_error + correction[:, 6:8]
+        self.air_velocity = self.air_velocity + correction[:, 6:8] @ navigator.velocity_rows(self.nose)[:, 4:].T
+        self.range_bias = self.range_bias + correction[:, 8:]
+
+    def calibrating(self):
+        """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
+        `valid`)."""
+        fresh = self.time - self.fix_time <= self.fix_timeout + 1.0e-6
+        return self.fix_good & self.fix.valid & fresh
+
+    def sights(self, latitude, longitude):
+        """Direction cosines north and east of the lines of sight and their lengths (m), each of shape (2, stations)."""
+        seen = []
+        for filter_ in range(2):
+            sight = dme.line_of_sight(
+                latitude[filter_],
+                longitude[filter_],
+                self.altitude,
+                self.station_latitude,
+                self.station_longitude,
+                self.station_altitude,
+            )
+            seen.append(navigator.direction_cosines(latitude[filter_], longitude[filter_], sight))
+        return tuple(np.stack(parts) for parts in zip(*seen, strict=True))
+
+    @on_new("ranging")
+    def take_ranges(self):
+        moment = self.ranging.time_of_validity
+        velocity = self.air_velocity + self.wind
+        latitude, longitude = navigator.advance(
+            self.latitude, self.longitude, self.altitude, velocity.T, moment - self.time
+        )
+        north, east, distance = self.sights(latitude, longitude)
+        wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
+        measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
+        innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
+        doubted = self.doubted
+
+        def leading(values):
+            return np.where(doubted, values[1], values[0])
+
+        # a station whose range jumps, in the time since it was last heard, further than the aircraft and its bias can
+        heard = np.maximum(self.range_time, self.refused_time)
+        since = moment - heard
+        speed = self.top_speed()
+        news = navigator.news(since, self.correlation_distance / np.maximum(speed, 1.0))
+        reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + speed * since
+        jumped = measured & (heard > self.fix_time) & (leading(np.abs(innovation - self.innovation)) > reach)
+        astray = self.astray & np.logical_not(jumped)
+
+        unused = np.maximum(moment - self.range_time, 1.0e-3)
+        curvature = navigator.curvature(self.covariances, north, east, distance)
+        lasting = curvature / navigator.news(unused, self.wind_time) - curvature
+        correction, covariances, taken, innovations, spreads = navigator.range_updates(
+            np.zeros((2, STATES)),
+            self.covariances,
+            north,
+            east,
+            innovation,
+            self.noise_sigma**2 + curvature + lasting,
+            measured & np.logical_not(astray),
+            self.innovation_gate,
+        )
+        self.correct(correction)
+        told = navigator.evidence(innovations, spreads, lasting, self.innovation_gate)
+        by_first, by_second = taken
+        taken = leading(taken)
+        refused = np.logical_and(measured, np.logical_not(taken))
+        self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
+        self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
+
+        was_against = self.refused_time > self.range_time
+        moved = north * correction[:, :1] + east * correction[:, 1:2] + correction[:, 8:]
+        self.innovation = np.where(measured, innovation, self.innovation) - moved
+        self.range_time = np.where(taken, moment, self.range_time)
+        self.refused_time = np.where(refused, moment, self.refused_time)
+        used = moment - self.range_time <= self.geometry_window
+        recent = moment - self.refused_time <= self.geometry_window
+        against = recent & (self.refused_time > np.maximum(self.range_time, self.fix_time))
+        believed = used & np.logical_not(against)
+        cosines = leading(north), leading(east)
+        self.hdop = np.where(wanted, dme.dilution(*cosines, used), self.hdop)
+
+        several = np.sum(np.where(against, 1.0, 0.0)) > 1.5
+        alone = jumped & refused & np.logical_not(was_against | doubted)
+        self.astray = np.logical_and(astray | alone, np.logical_not(several))
+        outvoted = navigator.outvoted(against, believed, dme.dilution(*cosines, believed), self.dilution_limit)
+        heeded = measured & np.logical_not(astray) & np.logical_not(against & (outvoted | self.astray))
+        lacking = np.maximum(innovation**2 - navigator.variance_along(covariances, north, east), 0.0)[1]
+        lacking = np.max(np.where(heeded & np.logical_not(by_second), news * lacking, 0.0))
+        self.covariances = navigator.widen(covariances, np.stack([0.0, lacking]))
+        told = np.where(heeded & (self.prior > 0.0), told * np.where(by_first, 1.0, news), 0.0)
+        least = self.least_odds()
+        self.log_odds = np.maximum(self.log_odds + np.sum(told), least)
+        winds = self.wind[0] - self.mean_wind[0], self.mean_wind[0] - self.wind_mean
+        estimates = np.concatenate([*winds, self.air_error[0], self.range_bias[0]])
+        improbable = navigator.improbable(estimates, self.modelled[0], self.estimate_limit)
+        heard = (self.prior > 0.0) & np.any(heeded)
+        self.doubted = self.doubted | (heard & (improbable | (self.log_odds > -2.0 * least)))
+
+    @every("update_period")
+    def report(self):
+        doubt = self.doubt()
+        weights = np.stack([1.0 - doubt, doubt])
+        velocity = weights @ (self.air_velocity + self.wind)
+        latitude, longitude = weights @ self.latitude, weights @ self.longitude
+        apart = navigator.offset(
+            self.latitude[0], self.longitude[0], self.altitude, self.latitude[1], self.longitude[1]
+        )
+        shared = (1.0 - doubt) * doubt * np.stack([apart[0] * apart[0], apart[0] * apart[1], apart[1] * apart[1]])
+        parts = kalman.unpack(self.covariances)[:, :2, :2]
+        self.covariance = weights @ kalman.pack(parts) + shared
+        self.north_sigma = np.sqrt(self.covariance[0])
+        self.east_sigma = np.sqrt(self.covariance[2])
+        self.mode = np.where(self.initialised, np.where(self.calibrating(), 1, 2), 0)
+        self.hdop = np.where(np.any(self.time - self.range_time <= self.geometry_window), self.hdop, 99.0)
+        self.solution.publish(
+            latitude=latitude,
+            longitude=longitude,
+            altitude=self.altitude,
+            velocity_n=np.stack([velocity[0], velocity[1], -self.climb]),
+            wind_n=weights @ self.wind,
+            valid=self.initialised,
+        )

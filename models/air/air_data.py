@@ -1,0 +1,99 @@
+"""The pitot-static chain: from the air around the aircraft to airspeed and pressure altitude.
+
+Thesis section 2.5.3, p. 24. The thesis's (2.2), V_c = sqrt(2 dP / rho), is the incompressible limit; here the
+isentropic formula that airspeed indicators are built to is used: with M the Mach number and q_c the difference of total
+and static pressure,
+
+    q_c = p ((1 + M^2 / 5)^(7/2) - 1),    M = sqrt(5 ((q_c / p + 1)^(2/7) - 1)).                                 (1)
+
+At 50 m/s the two differ by 0.5 %. A blocked port keeps the pressure it had: the pitot tube (and its drain hole) the
+total, the static port the static pressure. What follows is the textbook's: with a blocked pitot tube the airspeed
+rises in a climb like an altimeter and does not answer to speed; with a blocked static port the altitude freezes, and
+the airspeed reads low above the altitude of blocking and high below it.
+
+What errors of the instrument are in true airspeed follows from (1) by its derivative,
+
+    d(q_c / p)/dM = 7/5 M (1 + M^2 / 5)^(5/2).                                                                       (2)
+
+An error of indicated airspeed grows with height: at low Mach numbers as one over the root of the relative density.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.air import atmosphere
+
+LEAST_DIFFERENCE = 1.0
+"""Pa: the airspeed of 1.3 m/s, below which no airspeed indicator shows any."""
+
+
+def impact_ratio(mach):
+    """q_c / p of (1)."""
+    x = 1.0 + 0.2 * mach * mach
+    return x * x * x * np.sqrt(x) - 1.0
+
+
+def impact_slope(mach):
+    """Derivative of q_c / p by M, (2)."""
+    x = 1.0 + 0.2 * mach * mach
+    return 1.4 * mach * x * x * np.sqrt(x)
+
+
+def mach(impact_ratio):
+    """M of (1) from q_c / p; zero where the difference of pressures is negative."""
+    return np.sqrt(5.0 * np.maximum((1.0 + np.maximum(impact_ratio, 0.0)) ** (2.0 / 7.0) - 1.0, 0.0))
+
+
+def pressures(true_airspeed, geopotential_altitude, deviation, sea_level_pressure):
+    """Static pressure, total pressure (Pa) and static temperature (K) of the air at the ports."""
+    temperature = atmosphere.temperature(geopotential_altitude, deviation)
+    static = atmosphere.pressure(geopotential_altitude, deviation, sea_level_pressure)
+    return static, static * (1.0 + impact_ratio(true_airspeed / atmosphere.speed_of_sound(temperature))), temperature
+
+
+def trapped(pressure, previous, blocked):
+    """Pressure behind a port: outside, or what it was when the port was blocked."""
+    return np.where(blocked, previous, pressure)
+
+
+def sensed(difference, gain_error, offset):
+    """Difference of pressures as the transducer shows it, Pa."""
+    return (1.0 + gain_error) * difference + offset
+
+
+def calibrated_airspeed(difference):
+    """Airspeed that gives this q_c (Pa) at sea level in the standard atmosphere, m/s."""
+    return atmosphere.SPEED_OF_SOUND * mach(difference / atmosphere.PRESSURE)
+
+
+def true_airspeed(calibrated, static, temperature):
+    """True airspeed from calibrated airspeed with the measured static pressure and temperature, m/s."""
+    impact = atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND)
+    return atmosphere.speed_of_sound(temperature) * mach(impact / static)
+
+
+def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset, probe):
+    """Standard deviation of :func:`true_airspeed` by independent errors of the instrument, m/s.
+
+    To first order, by (2) and by V = a(T) M. Where the difference of pressures is less than its own error the root
+    has no derivative of use, and that of as large a difference stands for it.
+
+    Parameters
+    ----------
+    calibrated, static, temperature
+        As :func:`true_airspeed` takes them, m/s, Pa, K.
+    airspeed
+        Sigma of the calibrated airspeed, m/s.
+    gain, offset
+        Sigmas of the difference of pressures, of :func:`sensed`: relative, and in Pa.
+    probe
+        Sigma of the temperature, K.
+    """
+    least = calibrated_airspeed(np.hypot(offset, LEAST_DIFFERENCE))
+    low = np.maximum(calibrated, least) / atmosphere.SPEED_OF_SOUND
+    difference = atmosphere.PRESSURE * impact_ratio(low)
+    high, sound = mach(difference / static), atmosphere.speed_of_sound(temperature)
+    by_airspeed = atmosphere.PRESSURE * impact_slope(low) / atmosphere.SPEED_OF_SOUND
+    pressure = np.sqrt((by_airspeed * airspeed) ** 2 + (gain * difference) ** 2 + offset**2)
+    return sound * np.hypot(pressure / (static * impact_slope(high)), 0.5 * high * probe / temperature)

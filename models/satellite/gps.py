@@ -1,0 +1,40 @@
+"""GPS/WAAS receiver with three-antenna attitude: white errors, thesis section 3.10 (p. 72)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.attitude import attitude
+from models.earth import earth
+
+HORIZONTAL_SIGMA = 2.0
+"""Standard deviation of north and of east position, m, thesis section 3.10."""
+VERTICAL_SIGMA = 5.0
+"""Standard deviation of altitude, m, thesis section 3.10."""
+VELOCITY_SIGMA = 0.1
+"""Standard deviation of each component of velocity, m/s; the thesis gives none, this is usual for Doppler velocity."""
+ATTITUDE_SIGMA = np.radians(0.25)
+"""Standard deviation of roll, pitch and heading, rad, thesis section 3.10 and Table 4.2."""
+
+
+def displaced(latitude, longitude, altitude, north, east):
+    """Latitude and longitude (rad) of a point ``north`` and ``east`` metres from another."""
+    north_south, east_west = earth.radii(latitude)
+    return (
+        latitude + north / (north_south + altitude),
+        longitude + east / ((east_west + altitude) * np.cos(latitude)),
+    )
+
+
+def fix(latitude, longitude, altitude, velocity_n, sigmas, normal):
+    """A position and velocity fix; ``sigmas`` = (horizontal m, vertical m, velocity m/s), ``normal`` has 6 elements."""
+    horizontal, vertical, velocity = sigmas
+    measured_latitude, measured_longitude = displaced(
+        latitude, longitude, altitude, horizontal * normal[0], horizontal * normal[1]
+    )
+    return measured_latitude, measured_longitude, altitude + vertical * normal[2], velocity_n + velocity * normal[3:6]
+
+
+def angles(roll, pitch, heading, sigma, normal):
+    """Attitude of the three-antenna system: roll, pitch, heading in [-pi, pi), rad."""
+    return roll + sigma * normal[0], pitch + sigma * normal[1], attitude.wrap(heading + sigma * normal[2])
