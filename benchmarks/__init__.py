@@ -4,6 +4,7 @@
     python -m benchmarks.flight     the backup navigator's flight, ten FMUs at 100 Hz
     python -m benchmarks.faults     the same flight with twenty faults against none
     python -m benchmarks.imu_twin   the native IMU against its PythonFMU twin
+    python -m benchmarks.sensors    a sample of each sensor, in a loop in C
     python -m benchmarks.startup    navfmu run --help against bare Python
     python -m benchmarks.exporter   filters of up to 42 states out of the exporter, against loops written by hand in C
     python -m benchmarks            all of them, a table and benchmarks.json
@@ -12,4 +13,4 @@ All but the last need the FMUs of build_fmus.py. Contenders take turns, round af
 machine hits all of them; a result is the median over the rounds.
 """
 
-NAMES = ("ring", "flight", "faults", "imu_twin", "startup", "exporter")
+NAMES = ("ring", "flight", "faults", "imu_twin", "sensors", "startup", "exporter")

@@ -17,7 +17,17 @@ from navfmu.report.page import Page
 from navfmu.system.result import check_folder
 from navfmu.terminal import interrupt, refusal
 
-SECTIONS = ("headline", "fmea", "step_sizes", "closure", "real_flights", "expressions", "public_fmus", "speed")
+SECTIONS = (
+    "headline",
+    "fmea",
+    "step_sizes",
+    "closure",
+    "real_flights",
+    "sensors",
+    "expressions",
+    "public_fmus",
+    "speed",
+)
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -26,7 +36,7 @@ SECTIONS = ("headline", "fmea", "step_sizes", "closure", "real_flights", "expres
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, fmea, step_sizes, closure, real_flights, expressions, public_fmus and speed.
+    There are headline, fmea, step_sizes, closure, real_flights, sensors, expressions, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

@@ -1,0 +1,39 @@
+"""A sample of each sensor, at its own rate: the FMU called by a loop in C, and by the compiled engine.
+
+Goal: no sensor takes more than 1 us for a sample in the loop.
+"""
+
+from __future__ import annotations
+
+from benchmarks.contest import Contest, compete, main
+from benchmarks.masters import BareLoop, Ours
+from navfmu import System
+from navfmu.system import shipped
+
+SAMPLES = 100_000
+SENSORS = {"imu": 0.01, "magnetometer": 0.02, "air_data": 0.1, "wind": 0.1}
+"""Step of the master, s: one sample each."""
+WORK = (
+    "The loop makes the FMI call and reads the outputs; the engine also checks the status. The inputs do not change: "
+    "what an FMU does with them it does at every sample all the same."
+)
+
+
+def run(rounds: int = 7) -> list[Contest]:
+    contests = []
+    for name, step in SENSORS.items():
+        system = System.load(shipped.path(f"{name}.fmu"))
+        plan = system.plan(stop=10 * (rounds + 2) * SAMPLES * step, step=step, algorithm="jacobi", record_period=step)
+        loop, engine = BareLoop(plan), Ours(plan)
+        contenders = {
+            "bare C loop": lambda loop=loop: loop.run(SAMPLES) / SAMPLES,
+            "navfmu": lambda engine=engine: engine.run(SAMPLES) / SAMPLES,
+        }
+        contest = compete(name, "sample", contenders, rounds, WORK)
+        contest.claim(f"A sample of {name}", 1.0, 1e6 * contest.median("bare C loop"), at_least=False, unit="us")
+        contests.append(contest)
+    return contests
+
+
+if __name__ == "__main__":
+    main(run)
