@@ -75,12 +75,11 @@ def main() -> None:
     share = np.cumsum(area.ravel()[order]) / np.sum(area)
     within = [np.abs(error).ravel()[order][np.searchsorted(share, part)] for part in (0.95, 0.995)]
     row, column = np.unravel_index(order[-1], SHAPE)
-    print(
-        f"rms {np.sqrt(np.average(error**2, weights=area)):.2f} m, 95 % within {within[0]:.1f} m, 99.5 % within "
-        f"{within[1]:.1f} m, largest {np.max(np.abs(error)):.1f} m at {LATITUDE[row]:g}, {LONGITUDE[column]:g} "
-        f"degrees, poles {np.max(np.abs(error[[0, -1]])):.2f} m; heights {np.sqrt(np.average(z**2, weights=area)):.1f} m rms, "
-        f"{z.min():.1f} to {z.max():.1f} m"
-    )
+    rms, rms_of_heights = (np.sqrt(np.average(x**2, weights=area)) for x in (error, z))
+    print(f"heights {rms_of_heights:.1f} m rms, {z.min():.1f} to {z.max():.1f} m")
+    print(f"error {rms:.2f} m rms; 95 % of the sphere within {within[0]:.1f} m, 99.5 % within {within[1]:.1f} m")
+    print(f"largest {np.max(np.abs(error)):.1f} m at {LATITUDE[row]:g}, {LONGITUDE[column]:g} degrees")
+    print(f"at the poles {np.max(np.abs(error[[0, -1]])):.2f} m")
 
 
 if __name__ == "__main__":
