@@ -45,7 +45,7 @@ class Ahrs(Component):
     measurement here can see, because it stands still in the aircraft or in the chart, is added to the published sigmas:
     `level_sigma`, `mounting_sigma`, and the error of the declination.
 
-    *Declination* (output `local_declination`) is that of the World Magnetic Model 2025 at `position`, every
+    *Declination* (output `local_declination`) is that of the World Magnetic Model of the `date` at `position`, every
     `chart_period` while that is valid, and its error is the model's own. Without a position the last one stays, at
     first the parameter `declination`, and its error is `declination_sigma`. When a position comes, heading, which is
     known from magnetic north, turns by the difference at once.
@@ -130,7 +130,9 @@ class Ahrs(Component):
         description="period at which the declination is looked up (own choice: 2 km at 200 m/s, 0.02 deg at 70 degrees "
         "north)",
     )
-    date = Parameter("1", start=2026.0, description="date in decimal years, 2025.0 to 2030.0 (validity of the WMM2025)")
+    date = Parameter(
+        "1", start=2026.0, description="date in decimal years, 2010.0 to 2030.0 (validity of WMM2010 to WMM2025)"
+    )
     mounting_sigma = Parameter(
         "rad",
         start=_DEFAULT["mounting_sigma"],
@@ -330,9 +332,12 @@ class Ahrs(Component):
     charted = State(kind="boolean", description="the declination is that of a known position")
     chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
 
-    @require("the date {date} is outside the validity of the World Magnetic Model 2025, which is 2025.0 to 2030.0")
+    @require(
+        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
+        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
+    )
     def model_is_valid(self):
-        return np.logical_and(self.date >= magnetic_field.EPOCH, self.date <= magnetic_field.EXPIRES)
+        return magnetic_field.known(self.date)
 
     @start
     def assume(self):
@@ -383,7 +388,7 @@ class Ahrs(Component):
         turned = attitude.wrap(heading + np.where(found, charted - self.local_declination, 0.0))
         self.angles = np.stack([roll, pitch, turned])
         self.local_declination = np.where(here.valid, charted, self.local_declination)
-        self.chart_sigma = magnetic_field.declination_sigma(field_n)
+        self.chart_sigma = magnetic_field.declination_sigma(field_n, self.date)
         self.charted = here.valid
 
     @every("aiding_period")

@@ -13,13 +13,14 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 
 
 class Magnetometer(Component):
-    """Strapdown magnetometer triad in Earth's field: World Magnetic Model 2025 and a crustal anomaly.
+    """Strapdown magnetometer triad in Earth's field: the World Magnetic Model of the date and a crustal anomaly.
 
-    The field in n at the true position and the date is the WMM2025, a spherical harmonic series of degree 12 valid from
-    2025.0 to 2030.0, and an anomaly; it is computed every field_period (it changes by some 5 nT per km) and turned to
-    body axes with the true attitude at every sample. The anomaly, what rocks of the crust and currents above add to a
+    The field in n at the true position and the date is that of the World Magnetic Model, a spherical harmonic series of
+    degree 12, which is made anew every five years: WMM2010, WMM2015 version 2, WMM2020, WMM2025, so from 2010.0 to
+    2030.0. It is computed every field_period (it changes by some 5 nT per km) and, with an anomaly, turned to body axes
+    with the true attitude at every sample. The anomaly, what rocks of the crust and currents above add to a
     series that ends at waves of 3300 km, is on each axis of n a first-order Gauss-Markov process over the distance
-    flown, with the standard deviations of the WMM2025's error model: 95 to 165 nT north and east, so that the
+    flown, with the standard deviations of that model's error model (WMM2025): 95 to 165 nT north and east, so that the
     declination is off by sqrt(0.26^2 + (5417 nT / H)^2) degrees in a horizontal field H, and 141 nT down. It has no
     map: the same place, flown over twice, has two anomalies. The triad makes of the field, thesis (3.28), p. 58,
 
@@ -59,7 +60,7 @@ class Magnetometer(Component):
         start=1.0,
         min=0.0,
         max=10.0,
-        description="crustal anomaly over the error model of the WMM2025, which holds on the ground; 0 for none",
+        description="crustal anomaly over that of the error model, which holds on the ground; 0 for none",
     )
     crustal_length = Parameter(
         "m",
@@ -68,7 +69,9 @@ class Magnetometer(Component):
         display_unit="km",
         description="distance over which the crustal anomaly is correlated",
     )
-    date = Parameter("1", start=2026.0, description="date in decimal years, 2025.0 to 2030.0 (validity of the WMM2025)")
+    date = Parameter(
+        "1", start=2026.0, description="date in decimal years, 2010.0 to 2030.0 (validity of WMM2010 to WMM2025)"
+    )
     hard_iron = Parameter(
         3, "T", start=0.0, display_unit="mG", description="given part of the hard iron field, dB^b of thesis (3.28)"
     )
@@ -154,9 +157,12 @@ class Magnetometer(Component):
     hard_iron_b = State(3, "T", description="hard iron after turn-on")
     distortion = State((3, 3), "1", description="C_m C_sf C_si")
 
-    @require("the date {date} is outside the validity of the World Magnetic Model 2025, which is 2025.0 to 2030.0")
+    @require(
+        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
+        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
+    )
     def model_is_valid(self):
-        return np.logical_and(self.date >= magnetic_field.EPOCH, self.date <= magnetic_field.EXPIRES)
+        return magnetic_field.known(self.date)
 
     @start
     def turn_on(self, noise):
@@ -176,7 +182,7 @@ class Magnetometer(Component):
         phi = gauss_markov.decay(flown, self.crustal_length)
         self.crust = gauss_markov.advance(self.crust, phi, gauss_markov.drive(1.0, phi), noise(3))
         model_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
-        self.field_n = model_n + self.crustal_level * magnetic_field.left_out(model_n) * self.crust
+        self.field_n = model_n + self.crustal_level * magnetic_field.left_out(model_n, self.date) * self.crust
         self.place_e = place_e
         self.field_known = True
 

@@ -6,8 +6,8 @@ nT/year.
 """
 
 EPOCH = 2025.0
-EXPIRES = 2030.0
-DEGREE = 12
+ERRORS = (0.26, 5417e-9, 141e-9)
+"""Error model (1 sigma): a, b of the declination sqrt(a^2 + (b / H)^2) in degrees, H the horizontal field; down, T."""
 COEFFICIENTS = (
     (1, 0, -29351.8, 0.0, 12.0, 0.0),
     (1, 1, -1410.8, 4545.4, 9.7, -21.5),

@@ -11,7 +11,6 @@ from models.earth import earth
 from models.filters import kalman
 from models.magnetic import magnetometer
 from models.motion.flight_plan import FlightPlan, straight, turn
-from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
 PERIOD = 0.1
@@ -541,12 +540,6 @@ def test_without_a_position_the_declination_is_that_of_the_parameter():
     run.set("position.longitude", 0.0)
     run.do_step(20.0, 20.0)
     assert run.get("local_declination") == kept != 0.2
-
-
-@pytest.mark.parametrize("date", [2024.9, 2030.1])
-def test_a_date_without_a_chart_is_refused(date):
-    with pytest.raises(NavfmuError, match="validity of the World Magnetic Model 2025"):
-        interpret(Ahrs, date=date)
 
 
 def test_heading_follows_the_chart_on_a_flight_in_the_far_north(native, far):
