@@ -6,10 +6,12 @@ and static pressure,
 
     q_c = p ((1 + M^2 / 5)^(7/2) - 1),    M = sqrt(5 ((q_c / p + 1)^(2/7) - 1)).                                 (1)
 
-At 50 m/s the two differ by 0.5 %. A blocked port keeps the pressure it had: the pitot tube (and its drain hole) the
-total, the static port the static pressure. What follows is the textbook's: with a blocked pitot tube the airspeed
-rises in a climb like an altimeter and does not answer to speed; with a blocked static port the altitude freezes, and
-the airspeed reads low above the altitude of blocking and high below it.
+At 50 m/s the two differ by 0.5 %. How the pressures come through the lines to the instruments, or do not, is in
+``models.air.pneumatics``.
+
+The flow around the aircraft changes the static pressure at the port (thesis (3.31), the part that it says depends on
+angle of attack and sideslip) by the part C_p of q_c, the position error. The probe is warmed by a part r of what the
+air is warmed by where it stops, its recovery factor: T_probe = T (1 + r M^2 / 5).
 
 What errors of the instrument are in true airspeed follows from (1) by its derivative,
 
@@ -52,9 +54,20 @@ def pressures(true_airspeed, geopotential_altitude, deviation, sea_level_pressur
     return static, static * (1.0 + impact_ratio(true_airspeed / atmosphere.speed_of_sound(temperature))), temperature
 
 
-def trapped(pressure, previous, blocked):
-    """Pressure behind a port: outside, or what it was when the port was blocked."""
-    return np.where(blocked, previous, pressure)
+def flow_angles(air_velocity_b):
+    """Angle of attack and sideslip, rad, of the velocity through the air (3,), m/s, in body axes; 0 at rest."""
+    u, v, w = air_velocity_b
+    return np.arctan2(w, u), np.arctan2(v, np.hypot(u, w))
+
+
+def position_coefficient(constant, attack_slope, sideslip_square, attack, sideslip):
+    """C_p of the static port: pressure there less that of the undisturbed air, by q_c."""
+    return constant + attack_slope * attack + sideslip_square * sideslip * sideslip
+
+
+def stagnation_ratio(mach, recovery):
+    """T_probe / T."""
+    return 1.0 + 0.2 * recovery * mach * mach
 
 
 def sensed(difference, gain_error, offset):
@@ -67,10 +80,14 @@ def calibrated_airspeed(difference):
     return atmosphere.SPEED_OF_SOUND * mach(difference / atmosphere.PRESSURE)
 
 
+def true_mach(calibrated, static):
+    """Mach number from calibrated airspeed with the measured static pressure."""
+    return mach(atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND) / static)
+
+
 def true_airspeed(calibrated, static, temperature):
     """True airspeed from calibrated airspeed with the measured static pressure and temperature, m/s."""
-    impact = atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND)
-    return atmosphere.speed_of_sound(temperature) * mach(impact / static)
+    return atmosphere.speed_of_sound(temperature) * true_mach(calibrated, static)
 
 
 def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset, probe):
