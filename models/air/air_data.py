@@ -80,9 +80,14 @@ def calibrated_airspeed(difference):
     return atmosphere.SPEED_OF_SOUND * mach(difference / atmosphere.PRESSURE)
 
 
+def impact_pressure(calibrated):
+    """Difference of pressures (Pa) of which :func:`calibrated_airspeed` makes this airspeed (m/s)."""
+    return atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND)
+
+
 def true_mach(calibrated, static):
     """Mach number from calibrated airspeed with the measured static pressure."""
-    return mach(atmosphere.PRESSURE * impact_ratio(calibrated / atmosphere.SPEED_OF_SOUND) / static)
+    return mach(impact_pressure(calibrated) / static)
 
 
 def true_airspeed(calibrated, static, temperature):

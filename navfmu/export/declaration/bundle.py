@@ -115,8 +115,17 @@ class BundleView:
             f"'{what}' cannot be assigned; use self.{self._bundle.name}{at}.publish({name}=...)"
         )
 
-    def publish(self, /, *, valid: Any = True, time_of_validity: Any = None, when: Any = None, **values: Any) -> None:
-        """Announce new values: ``sequence`` counts up, ``time_of_validity`` is now unless given.
+    def publish(
+        self,
+        /,
+        *,
+        valid: Any = True,
+        sequence: Any = None,
+        time_of_validity: Any = None,
+        when: Any = None,
+        **values: Any,
+    ) -> None:
+        """Announce new values: ``sequence`` counts up by one and ``time_of_validity`` is now unless given.
 
         Members that are not given keep their value. With ``when``, everything is kept where that is false. Of an array
         of bundles all are announced, by arrays of values; ``when``, ``valid`` and ``time_of_validity`` may be one for
@@ -130,7 +139,7 @@ class BundleView:
                 frame.fail(f"bundle '{self._name}' has no member '{name}'{nearest(name, bundle.members)}")
         values["valid"] = self._for_each(valid)
         values["time_of_validity"] = self._for_each(frame.time if time_of_validity is None else time_of_validity)
-        values["sequence"] = self.sequence + 1
+        values["sequence"] = self.sequence + 1 if sequence is None else self._for_each(sequence)
         if np.shape(when) not in ((), self._shape):
             frame.fail(
                 f"bundles '{self._name}': when has shape {np.shape(when)}, expected {self._shape} or one for all"

@@ -1,0 +1,50 @@
+"""A recorded inertial measurement unit as an FMU."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fmus import replay
+from fmus.inertial.imu import Imu
+from models.earth.earth import STANDARD_GRAVITY
+from navfmu.export import Component, Example, Table, every
+
+_COLUMNS = replay.columns(Imu.reading)
+_EXAMPLE = replay.made(
+    _COLUMNS,
+    0.1,
+    **{
+        "rate[1]": lambda t: 0.2 * np.cos(t),
+        "specific_force[2]": lambda t: -0.3 * np.sin(t),
+        "specific_force[3]": -STANDARD_GRAVITY,
+    },
+)
+
+
+class ImuReplay(replay.face(Imu, "reading"), Component):
+    """Recorded samples of an inertial measurement unit, in the place of imu.
+
+    The table resources/samples.npy holds samples: the time at which one comes, the time that its values hold for, its
+    number, whether it is valid, rate and specific force. At each tick the last sample that has come is published, if
+    that was not done before. `sequence` is its number: where two come in one tick it jumps, and who takes the bundle
+    counts what was lost. Behind the last sample nothing comes any more.
+
+    The inputs are those of imu, so that this FMU takes its place in a system; they do nothing. `delay` makes all
+    samples late, and leaves the time that they hold for.
+
+    `navfmu replay imu FILE --out NAME.fmu` writes this FMU with a recording of yours; as built it holds a minute of
+    rolling.
+    """
+
+    name = "imu_replay"
+    example = Example(steps={}, text="The built-in samples: an aircraft that rolls to and fro, ten times a second.")
+
+    delay = replay.delay()
+    tick_period = replay.tick_period()
+
+    samples = Table(columns=_COLUMNS, rows=_EXAMPLE)
+
+    @every("tick_period")
+    def play(self):
+        sample = replay.latest(self, "samples", self.delay)
+        self.reading.publish(**replay.announcement(sample, self.reading), **replay.values(sample, Imu.reading))
