@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fmus.grades import GRADES
+from fmus.inertial.increments import Increments
 from models.attitude import attitude
 from models.earth.earth import STANDARD_GRAVITY
 from models.inertial import inertial
@@ -12,7 +13,7 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 _DEFAULT = GRADES["automotive"]
 
 
-class Imu(Component):
+class Imu(Increments, Component):
     """Strapdown inertial measurement unit: three rate gyros and three accelerometers.
 
     Each axis measures, thesis (3.2)-(3.3), p. 38,
@@ -209,6 +210,7 @@ class Imu(Component):
         self.gyro_drive = gauss_markov.drive(self.gyro_drift_sigma, self.gyro_decay)
         self.accelerometer_decay = gauss_markov.decay(self.drift_period, self.accelerometer_drift_time)
         self.accelerometer_drive = gauss_markov.drive(self.accelerometer_drift_sigma, self.accelerometer_decay)
+        self.begin_increments(*self.sensed())
 
     @every("drift_period")
     def drift(self, noise):
@@ -221,19 +223,19 @@ class Imu(Component):
     @every("sample_period")
     def sample(self, noise):
         n = noise(6)
-        self.reading.publish(
-            rate=inertial.sense(
-                self.mounting @ self.rate,
-                self.gyro_gain_error,
-                self.gyro_bias,
-                self.gyro_drift,
-                self.gyro_noise_sigma * n[0:3],
-            ),
-            specific_force=inertial.sense(
+        rate, specific_force = self.sensed()
+        rate_noise, force_noise = self.gyro_noise_sigma * n[0:3], self.accelerometer_noise_sigma * n[3:6]
+        self.reading.publish(rate=rate + rate_noise, specific_force=specific_force + force_noise)
+        self.integrate(rate, specific_force, rate_noise, force_noise)
+
+    def sensed(self):
+        """Rate and specific force with all errors but wide-band noise."""
+        return (
+            inertial.sense(self.mounting @ self.rate, self.gyro_gain_error, self.gyro_bias, self.gyro_drift),
+            inertial.sense(
                 self.mounting @ self.specific_force,
                 self.accelerometer_gain_error,
                 self.accelerometer_bias,
                 self.accelerometer_drift,
-                self.accelerometer_noise_sigma * n[3:6],
             ),
         )

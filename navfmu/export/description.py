@@ -41,7 +41,7 @@ DISPLAY_UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "m": {"km": (1e-3, 0.0), "mm": (1e3, 0.0), "ft": (1 / 0.3048, 0.0), "nmi": (1 / 1852, 0.0)},
     "m/s": {"kn": (3600 / 1852, 0.0), "km/h": (3.6, 0.0), "ft/min": (60 / 0.3048, 0.0)},
     "m/s2": {"g": (1 / 9.80665, 0.0), "mg": (1e3 / 9.80665, 0.0)},
-    "rad": {"deg": (_DEGREE, 0.0), "arcmin": (60 * _DEGREE, 0.0)},
+    "rad": {"deg": (_DEGREE, 0.0), "arcmin": (60 * _DEGREE, 0.0), "arcsec": (3600 * _DEGREE, 0.0)},
     "rad/s": {"deg/s": (_DEGREE, 0.0), "deg/h": (3600 * _DEGREE, 0.0), "deg/min": (60 * _DEGREE, 0.0)},
     "rad/s2": {"deg/s2": (_DEGREE, 0.0)},
     "Pa": {"hPa": (1e-2, 0.0), "inHg": (1 / 3386.389, 0.0)},
