@@ -1,4 +1,4 @@
-"""Gusts of the Dryden form and what they do to an aircraft that keeps its attitude.
+"""Gusts of the Dryden form, and what they do to an aircraft that keeps its attitude.
 
 MIL-F-8785C, section 3.7 (the same in MIL-HDBK-1797): in frozen turbulence of the intensity sigma and the length L, an
 aircraft of the airspeed V meets, with tau = L / V and white noise eta of the spectral density 2 tau,
@@ -18,6 +18,21 @@ g is the gust and c its own deviation from the velocity of before; with the weig
 The pilot, who steers back to the path with the time constant T, adds -(Z / T) e, e the integral of c:
 
     e'' + Z e' + (Z / T) e = Z g.                                                                                 (4)
+
+Below 1000 ft, with the height h above the ground in ft and the wind W_20 at 20 ft (MIL-F-8785C, section 3.7.3),
+
+    L_down = h,                     L_along = L_across = h / (0.177 + 0.000823 h)^1.2                             (5)
+    sigma_down = 0.1 W_20,  sigma_along = sigma_across = sigma_down / (0.177 + 0.000823 h)^0.4                    (6)
+
+W_20 is 15 kn (light), 30 (moderate), 45 (severe); from 1000 to 2000 ft both are linear in height.
+
+White noise through the two lags of (1), (2) is sampled exactly: over a period theta tau the levels y, whose long-run
+covariance is P = (1, 1/2; 1/2, 1/2), go to
+
+    A y + w,   A = exp(-theta) (1, 0; theta, 1),   cov w = P - A P A'.                                            (7)
+
+Over the distance x L the correlation is exp(-x) along, exp(-x) (1 - x / 2) across and down. Where a gust must be
+continuous, as for (4), noise is held for a period instead (``models.processes.lags``), on the same levels.
 """
 
 from __future__ import annotations
@@ -28,6 +43,9 @@ from models.earth.earth import STANDARD_GRAVITY
 
 GUST_SIGMA, GUST_LENGTH = 1.5, 533.4
 """Intensity of the gusts that are flown in and allowed for, m/s (5 ft/s), and their scale, m (1750 ft)."""
+FOOT = 0.3048
+LOW, HIGH = 1000.0 * FOOT, 2000.0 * FOOT
+"""Heights between which the forms of near the ground and of above are mixed, m."""
 TERMS = 12
 """Of the series in ``response``: with |x| < 4, the largest that parameters allow, what is left out is below 1e-16."""
 
@@ -37,6 +55,40 @@ def stationary(normals):
     second = normals[0] * np.array([0.0, np.sqrt(0.5), np.sqrt(0.5)])
     first = second + normals[1] * np.array([1.0, np.sqrt(0.5), np.sqrt(0.5)])
     return np.stack([first, second])
+
+
+def advance(levels, ratio, normals):
+    """Levels one period later, exactly, (7).
+
+    ``ratio`` is theta on each axis, and may change from one period to the next: the levels keep their distribution.
+    ``levels`` and ``normals`` have the shape (2, axes).
+    """
+    decay = np.exp(-ratio)
+    kept = decay * decay
+    spread = np.sqrt(1.0 - kept)
+    common = (0.5 - kept * (ratio + 0.5)) / np.maximum(spread, 1e-12)
+    own = np.sqrt(np.maximum(0.5 - kept * (ratio * (ratio + 1.0) + 0.5) - common * common, 0.0))
+    return np.stack(
+        [
+            decay * levels[0] + spread * normals[0],
+            decay * (levels[1] + ratio * levels[0]) + common * normals[0] + own * normals[1],
+        ]
+    )
+
+
+def by_height(height, wind_at_20_feet, sigma, length):
+    """Intensities and lengths along, across and down, each (3,): (5), (6) below 1000 ft, as given above 2000 ft.
+
+    ``height`` above the ground in m; below 10 ft it is taken for 10 ft.
+    """
+    h = np.clip(height, 10.0 * FOOT, LOW)
+    shape = 0.177 + 0.000823 * h / FOOT
+    flat = h / shape**1.2
+    down = 0.1 * wind_at_20_feet
+    level = down / shape**0.4
+    above = np.clip((height - LOW) / (HIGH - LOW), 0.0, 1.0)
+    low_sigma, low_length = np.array([level, level, down]), np.array([flat, flat, h])
+    return low_sigma + above * (sigma - low_sigma), low_length + above * (length - low_length)
 
 
 def gust(levels, sigma):
