@@ -7,7 +7,7 @@ import numpy as np
 from fmus.grades import CRUSTAL_LENGTH, MAGNETOMETER
 from models.attitude import attitude
 from models.earth import earth
-from models.magnetic import magnetic_field, magnetometer
+from models.magnetic import crust, magnetic_field, magnetometer, wire
 from models.processes import gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
@@ -22,15 +22,18 @@ class Magnetometer(Component):
     series that ends at waves of 3300 km, is on each axis of n a first-order Gauss-Markov process over the distance
     flown, with the standard deviations of that model's error model (WMM2025): 95 to 165 nT north and east, so that the
     declination is off by sqrt(0.26^2 + (5417 nT / H)^2) degrees in a horizontal field H, and 141 nT down. It has no
-    map: the same place, flown over twice, has two anomalies. The triad makes of the field, thesis (3.28), p. 58,
+    map: the same place, flown over twice, has two anomalies. With crust_decays it falls with the height, as waves that
+    are correlated over crustal_length on the ground do: 87 % are left at 500 m, 79 % at 1 km, 50 % at 5 km.
+    The triad makes of the field, thesis (3.28), p. 58,
 
         B_m = C_m C_sf C_si (B^b + dB^b) + noise
 
-    dB^b  hard iron, and the fault input
-    C_si  = I + soft_iron
+    dB^b  hard iron, its change, and the field of a straight wire with a current
+    C_si  = I + soft_iron, and its change
     C_sf  = I + diag(scale_factor)
     C_m   = I - [misalignment x], (3.29)
 
+    and gives it within its range, in steps of its resolution.
     Each error is a given value plus one drawn at turn-on, which is what a calibration leaves.
     Calibrated triads were left with 4 to 7 mG, which is up to 2.5 degrees of heading (section 3.11, Figs 3.27, 3.30);
     noise is 1 to 5 mG (Table 3.3). The first sample follows the first computation of the field, at field_period.
@@ -54,6 +57,15 @@ class Magnetometer(Component):
     hard_iron_change = Input(
         3, "T", display_unit="mG", fault=True, description="fault: change of the hard iron field, body axes"
     )
+    soft_iron_change = Input((3, 3), "1", fault=True, description="fault: change of the soft iron, body axes")
+    wire_current = Input("A", fault=True, description="fault: current of the wire, from its begin to its end")
+    anomaly_n = Input(
+        3,
+        "T",
+        display_unit="mG",
+        fault=True,
+        description="fault: field of something on the ground, north, east, down; it decays from ground_altitude on",
+    )
 
     crustal_level = Parameter(
         "1",
@@ -68,6 +80,40 @@ class Magnetometer(Component):
         min=100.0,
         display_unit="km",
         description="distance over which the crustal anomaly is correlated",
+    )
+    crust_decays = Parameter(
+        kind="boolean", start=False, description="the crustal anomaly falls with the height above ground_altitude"
+    )
+    ground_altitude = Parameter(
+        "m",
+        start=0.0,
+        min=-500.0,
+        max=9000.0,
+        display_unit="ft",
+        description="height of the ground above the ellipsoid",
+    )
+    anomaly_depth = Parameter(
+        "m",
+        start=50.0,
+        min=0.1,
+        description="depth below the ground of what makes anomaly_n, a dipole; (depth / (depth + h))^3 of it is left "
+        "at the height h (own choice: 50 m)",
+    )
+    wire_begin_b = Parameter(
+        3,
+        "m",
+        start=(-1.0, 0.0, 0.5),
+        min=-100.0,
+        max=100.0,
+        description="where the current enters the wire, from the triad, body axes (own choice: 0.5 m below it)",
+    )
+    wire_end_b = Parameter(
+        3,
+        "m",
+        start=(1.0, 0.0, 0.5),
+        min=-100.0,
+        max=100.0,
+        description="where the current leaves the wire; 2 m along the fuselage, 0.5 m below, are 3.6 mG an ampere",
     )
     date = Parameter(
         "1", start=2026.0, description="date in decimal years, 2010.0 to 2030.0 (validity of WMM2010 to WMM2025)"
@@ -140,6 +186,20 @@ class Magnetometer(Component):
         display_unit="mG",
         description="wide-band noise per sample, thesis Table 3.3: 1 to 5 mG",
     )
+    field_range = Parameter(
+        "T",
+        start=2e-4,
+        min=1e-5,
+        display_unit="mG",
+        description="largest field of an axis; 2 G of a Honeywell HMR2300, the thesis's (section 4.11.1)",
+    )
+    resolution = Parameter(
+        "T",
+        start=0.0,
+        min=0.0,
+        display_unit="mG",
+        description="step of the output, 0 for none; the HMR2300 has 0.067 mG",
+    )
     sample_period = Parameter(
         "s", start=0.05, min=1e-3, max=10.0, description="sampling period, thesis Fig 3.29: 20 Hz"
     )
@@ -156,6 +216,8 @@ class Magnetometer(Component):
     field_known = State(kind="boolean", description="the field has been computed")
     hard_iron_b = State(3, "T", description="hard iron after turn-on")
     distortion = State((3, 3), "1", description="C_m C_sf C_si")
+    triad = State((3, 3), "1", description="C_m C_sf")
+    wire_field_b = State(3, "T/A", description="field of the wire over its current")
 
     @require(
         "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
@@ -164,15 +226,20 @@ class Magnetometer(Component):
     def model_is_valid(self):
         return magnetic_field.known(self.date)
 
+    @require("the wire from wire_begin_b to wire_end_b passes within 1 mm of the triad; expected at some distance")
+    def wire_passes_by(self):
+        return wire.distance(self.wire_begin_b, self.wire_end_b) >= 1.0e-3
+
     @start
     def turn_on(self, noise):
         n = noise(21)
         self.hard_iron_b = self.hard_iron + self.hard_iron_sigma * n[0:3]
-        self.distortion = magnetometer.distortion(
-            self.soft_iron + self.soft_iron_sigma * n[3:12].reshape(3, 3),
-            self.scale_factor + self.scale_factor_sigma * n[12:15],
-            self.misalignment + self.misalignment_sigma * n[15:18],
-        )
+        soft_iron = self.soft_iron + self.soft_iron_sigma * n[3:12].reshape(3, 3)
+        scale_factor = self.scale_factor + self.scale_factor_sigma * n[12:15]
+        misalignment = self.misalignment + self.misalignment_sigma * n[15:18]
+        self.distortion = magnetometer.distortion(soft_iron, scale_factor, misalignment)
+        self.triad = magnetometer.triad(scale_factor, misalignment)
+        self.wire_field_b = wire.field(self.wire_begin_b, self.wire_end_b, 1.0)
         self.crust = gauss_markov.stationary(1.0, n[18:21])
 
     @every("field_period")
@@ -182,14 +249,22 @@ class Magnetometer(Component):
         phi = gauss_markov.decay(flown, self.crustal_length)
         self.crust = gauss_markov.advance(self.crust, phi, gauss_markov.drive(1.0, phi), noise(3))
         model_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
-        self.field_n = model_n + self.crustal_level * magnetic_field.left_out(model_n, self.date) * self.crust
+        left_out_n = self.crustal_level * magnetic_field.left_out(model_n, self.date)
+        share = np.where(self.crust_decays, crust.wave_share(self._height(), self.crustal_length), 1.0)
+        self.field_n = model_n + left_out_n * self.crust * share
         self.place_e = place_e
         self.field_known = True
 
     @every("sample_period")
     def sample(self, noise):
-        field_b = attitude.dcm(self.roll, self.pitch, self.heading).T @ self.field_n
-        measured = magnetometer.sense(
-            field_b, self.hard_iron_b + self.hard_iron_change, self.distortion, self.noise_sigma * noise(3)
+        anomaly_n = self.anomaly_n * crust.dipole_share(self._height(), self.anomaly_depth)
+        field_b = attitude.dcm(self.roll, self.pitch, self.heading).T @ (self.field_n + anomaly_n)
+        hard_iron_b = self.hard_iron_b + self.hard_iron_change + self.wire_current * self.wire_field_b
+        distortion = self.distortion + self.triad @ self.soft_iron_change
+        measured = magnetometer.sense(field_b, hard_iron_b, distortion, self.noise_sigma * noise(3))
+        self.field.publish(
+            field_b=magnetometer.digitise(measured, self.field_range, self.resolution), when=self.field_known
         )
-        self.field.publish(field_b=measured, when=self.field_known)
+
+    def _height(self):
+        return np.maximum(self.altitude - self.ground_altitude, 0.0)

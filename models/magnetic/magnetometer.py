@@ -17,6 +17,11 @@ MILLIGAUSS = 1.0e-7
 """1 mG in T."""
 
 
+def triad(scale_factor, misalignment):
+    """C_m C_sf, what the triad makes of the field where it is; see :func:`distortion`."""
+    return attitude.mounting(misalignment) * (1.0 + scale_factor)
+
+
 def distortion(soft_iron, scale_factor, misalignment):
     """C_m C_sf C_si.
 
@@ -36,3 +41,10 @@ def distortion(soft_iron, scale_factor, misalignment):
 def sense(field_b, hard_iron, distortion, noise):
     """Measured field, T, thesis (3.28)."""
     return distortion @ (field_b + hard_iron) + noise
+
+
+def digitise(field, limit, resolution):
+    """What comes out of a converter: no axis beyond its limit, whole multiples of its resolution (0: as it is)."""
+    field = np.clip(field, -limit, limit)
+    step = np.where(resolution > 0.0, resolution, 1.0)
+    return np.where(resolution > 0.0, step * np.rint(field / step), field)
