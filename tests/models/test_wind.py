@@ -5,7 +5,10 @@ import pytest
 from scipy import stats
 
 from fmus.air.wind import Wind
-from navfmu.errors import NavfmuError
+from navfmu import System
+from navfmu.errors import NavfmuError, NavfmuWarning
+from navfmu.ssp.writer import SystemSource
+from tests.built import fmu, folder
 from tests.models.native import Native, interpret
 
 COUNT = 400
@@ -221,3 +224,32 @@ def test_an_endless_gust_and_a_wake(native):
     run = native.run(20.0, 0.1, ["wind_n"], wake, while_set("gust", 5.0, 5.5))["wind_n"][:, 2]
     assert np.count_nonzero(run == 6.0) == 8
     assert np.count_nonzero(run) == 8
+
+
+def test_the_wind_where_the_aircraft_is(tmp_path, tmp_path_factory):
+    """Connected in a circle with an aircraft that descends through a layer: it meets the layer's wind, a step late."""
+    for name in ("wind", "aircraft"):
+        fmu(name, tmp_path_factory)
+    source = SystemSource("descent", fmus=folder(tmp_path_factory), stop_time=2000.0, step=0.1, description="a layer")
+    source.component("wind", "wind.fmu").component("aircraft", "aircraft.fmu")
+    source.connect("wind.wind_n", "aircraft.wind_n")
+    for name in ("altitude", "velocity_n", "true_airspeed"):
+        source.connect(f"aircraft.{name}", f"wind.{name}")
+    low, high = 700.0, 1300.0
+    layers = {
+        "layer_altitude": (low, high, *6 * (0.0,)),
+        "layer_wind_n": np.concatenate([[(4.0, -2.0, 0.0), (16.0, 8.0, 0.0)], np.zeros((6, 3))]),
+        "layer_count": 2,
+    }
+    source.parameters("wind", {**CALM, **layers})
+    system = System.load(source.pack(tmp_path / "descent.ssp"))
+    names = ["wind.wind_n[1]", "wind.wind_n[2]", "aircraft.altitude"]
+    with pytest.warns(
+        NavfmuWarning, match=r"cycles; one communication step late: aircraft\.altitude -> wind\.altitude"
+    ):
+        flight = system.run(seed=1, record=names, record_period=1.0)
+    altitude = flight["aircraft.altitude"]
+    assert altitude.max() > high and altitude.min() < low
+    for name, ends in (("wind.wind_n[1]", (4.0, 16.0)), ("wind.wind_n[2]", (-2.0, 8.0))):
+        expected = np.interp(altitude, (low, high), ends)
+        assert np.max(np.abs(flight[name] - expected)) < 0.02 * 5.0 * 0.2  # 1/s of shear by 5 m/s for two steps
