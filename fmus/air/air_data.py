@@ -7,8 +7,9 @@ import numpy as np
 from fmus.grades import AIR_DATA
 from models.air import air_data, altimeter, atmosphere, pneumatics
 from models.attitude import attitude
+from models.earth import geoid
 from models.processes import gauss_markov
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
+from navfmu.export import Bundle, Component, Example, Grid, Input, Output, Parameter, State, every, start
 
 
 class AirData(Component):
@@ -20,7 +21,8 @@ class AirData(Component):
         p + C_p q_c,  C_p = C_0 + C_alpha alpha + C_beta beta^2     static port: position error, off at first
         p_t                                                         pitot tube, calibrated with its drain hole
 
-    (for C_alpha and C_beta connect roll, pitch and heading). A pitot tube takes the total pressure of an oblique flow
+    (for C_alpha and C_beta connect roll, pitch and heading; with `geoid_by_position` and latitude and longitude heights
+    are above the sea as EGM96 has it, to 1 m rms). A pitot tube takes the total pressure of an oblique flow
     (to within 1 % up to 10 degrees). Two lines lead to the instruments: volumes that fill through what openings they
     have, tau p' = sum g_i (p_i - p), with tau = tau_0 (p_0/p) (mu/mu_0) by the law of Hagen and Poiseuille, 0 at first.
 
@@ -73,6 +75,8 @@ class AirData(Component):
     )
 
     altitude = Input("m", display_unit="ft", description="true height above the ellipsoid")
+    latitude = Input("rad", display_unit="deg", description="true geodetic latitude, for the geoid")
+    longitude = Input("rad", display_unit="deg", description="true longitude, for the geoid")
     velocity_n = Input(3, "m/s", display_unit="kn", description="true velocity over ground, north, east, down")
     wind_n = Input(3, "m/s", display_unit="kn", description="velocity of the air over ground, north, east, down")
     roll = Input("rad", display_unit="deg", description="true roll angle, for the position error")
@@ -287,7 +291,17 @@ class AirData(Component):
     geoid_height = Parameter(
         "m", start=0.0, min=-120.0, max=120.0, description="height of mean sea level above the ellipsoid"
     )
+    geoid_by_position = Parameter(
+        kind="boolean",
+        start=False,
+        description="whether the table's geoid height at latitude and longitude is added to geoid_height",
+    )
     sample_period = Parameter("s", start=0.1, min=1e-3, max=10.0, description="sampling period")
+
+    sea = Grid(
+        axes=(("latitude", "rad", geoid.LATITUDES), ("longitude", "rad", geoid.LONGITUDES)),
+        surfaces=(("coefficient", "m", geoid.TABLE),),
+    )
 
     air = Bundle(
         true_airspeed=Output("m/s", display_unit="kn", description="true airspeed"),
@@ -345,7 +359,7 @@ class AirData(Component):
     @every("sample_period")
     def sample(self, noise):
         n = noise(5)
-        height = self.altitude - self.geoid_height
+        height = self.altitude - self.sea_level()
         self.wander(n, height)
 
         relative_n = self.velocity_n - self.wind_n
@@ -387,6 +401,15 @@ class AirData(Component):
             indicated_altitude=altimeter.indicated(altitude, self.baro_setting),
             vertical_speed=(self.climbed - self.chamber) / self.vertical_speed_time,
         )
+
+    def sea_level(self):
+        """Height of mean sea level above the ellipsoid, m."""
+        here = geoid.height(self.latitude, self.longitude, self.coefficients)
+        return self.geoid_height + np.where(self.geoid_by_position, here, 0.0)
+
+    def coefficients(self, latitude, longitude):
+        """Of the geoid, at the ends of a cell of its table."""
+        return self.sea.around(latitude=latitude, longitude=longitude).corners[..., 0]
 
     def wander(self, n, height):
         """The errors of airspeed and altitude a period later."""
