@@ -1,0 +1,53 @@
+"""Ring-laser gyro: two beams run round a ring, and the phase between them counts its turning, but for lock-in.
+
+The phase psi turns by 2 pi for each pulse of K rad about the axis, and light that is scattered from one beam into the
+other pulls it towards a value of its own (Adler's equation; dead zone +-w_L of RTO MP-43 (1999), Loukianov, Fig 4):
+
+    psi' = 2 pi / K (w - w_L sin psi)                                                                              (1)
+
+Below w_L it comes to rest and there are no pulses. Above, pulses come in the mean at the rate sqrt(w^2 - w_L^2).
+
+(1) is Riccati's for tan(psi/2) = p/q, so over a time T with w held it is a matrix, (p, q) <- exp(M T) (p, q), where
+M M = (w_L^2 - w^2) (pi / K)^2 times the unit matrix: :func:`advance` is exact for any T.
+
+Dither turns the ring to and fro at a peak rate w_D much above w_L, at a frequency f (250 to 500 Hz in AGARD CP-298,
+Siouris; 400 Hz in Loukianov). Within lock-in it then is only where it turns back, with the acceleration 2 pi f w_D,
+twice in a period, and angle is gained or lost there, the integral of -w_L sin(psi_0 + 2 pi f w_D (2 pi / K) t^2 / 2):
+a Fresnel integral of mean square w_L^2 K / (4 pi f w_D) where psi_0 is as good as random, which is what random dither is
+for. So the angle walks, independently of f, by
+
+    w_L sqrt(K / (2 pi w_D))  rad per root second                                                                  (2)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def beat(rate, lock_in):
+    """Mean rate that pulses show without dither, rad/s: sqrt(w^2 - w_L^2), and nothing in the dead zone."""
+    return np.sign(rate) * np.sqrt(np.maximum(rate * rate - lock_in * lock_in, 0.0))
+
+
+def advance(phase, rate, lock_in, pulse, period):
+    """How far the phase psi gets in ``period`` (s) by (1), rad; ``pulse`` is K in rad, the rates are in rad/s."""
+    drive, pull = np.pi * rate / pulse, np.pi * lock_in / pulse
+    free = drive * drive > pull * pull
+    square = np.abs(drive * drive - pull * pull)
+    still = square <= 1e-24 * (pull * pull + 1e-300)
+    root = np.sqrt(np.where(still, 1.0, square))
+    turns = np.floor(np.where(free, root * period / np.pi, 0.0))
+    rest = root * period - np.pi * turns
+    ratio = np.where(still, period, np.where(free, np.sin(rest), np.tanh(rest)) / root)
+    share = np.where(np.logical_and(free, np.logical_not(still)), np.cos(rest), 1.0)
+    p, q = np.sin(0.5 * phase), np.cos(0.5 * phase)
+    p_after = share * p + ratio * (drive * q - pull * p)
+    q_after = share * q + ratio * (pull * q - drive * p)
+    half = np.arctan2(p_after * q - q_after * p, p_after * p + q_after * q)
+    half = np.where(np.logical_and(free, half * drive < -np.abs(drive)), half + 2.0 * np.pi * np.sign(drive), half)
+    return 2.0 * half + 2.0 * np.pi * np.sign(rate) * turns
+
+
+def random_walk(lock_in, pulse, dither_rate):
+    """Angle random walk of a ring with random dither, rad per root second: (2)."""
+    return lock_in * np.sqrt(pulse / (2.0 * np.pi * dither_rate))
