@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fmus.grades import GRADES
 from fmus.inertial.increments import Increments
+from fmus.inertial.triad import Triad, triad
 from models.attitude import attitude
 from models.earth.earth import STANDARD_GRAVITY
-from models.inertial import inertial
+from models.inertial import axes, flicker, heating, latency
 from models.processes import gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 _DEFAULT = GRADES["automotive"]
+ROOM = 293.15
+"""20 degC in K."""
 
 
-class Imu(Increments, Component):
+class Imu(
+    Increments,
+    triad("accelerometer", "accelerometers", "m/s2", ("mg", "mg"), _DEFAULT),
+    triad("gyro", "gyros", "rad/s", ("deg/h", "deg/s"), _DEFAULT),
+    Component,
+):
     """Strapdown inertial measurement unit: three rate gyros and three accelerometers.
 
     Each axis measures, thesis (3.2)-(3.3), p. 38,
@@ -30,6 +40,18 @@ class Imu(Increments, Component):
           walk it causes is sigma sqrt(sample_period) per root second, (B.10)
 
     Misalignment, scale factors and null shifts are each a given value plus one drawn at turn-on.
+
+    What follows is off unless a parameter turns it on, each for both triads and in the order in which it acts:
+
+    - axes that are not at right angles (`nonorthogonality`), sensitivity of the gyros to specific force
+      (`gyro_g_sensitivity`), asymmetry of the scale factor and its change with temperature;
+    - a lag of first or second order (`bandwidth`), exact for an input that is linear between samples;
+    - change of the null shift with temperature, flicker noise (`flicker`: B, Allan deviation 0.664 B) and rate random
+      walk (`walk_sigma`), both advanced every wander_period;
+    - `range`; `resolution` and `latency` of the reading, which leaves later with the time at which it was taken.
+
+    The sensors follow the temperature around them, with `thermal_time`, and become warmer by `self_heating` after
+    turn-on, thesis Fig 3.5. Their errors are those of `calibration_temperature` there.
 
     The start values are the automotive grade of Table 3.2 (p. 56), which is the Crossbow DMU-6X of Table 3.1:
     gyros 180 deg/h, 300 s, 0.05 deg/s; accelerometers 1.2 mg, 100 s, 1 mg. What is drawn at turn-on is of units of this
@@ -49,6 +71,17 @@ class Imu(Increments, Component):
         3, "m/s2", start=(0.0, 0.0, -STANDARD_GRAVITY), description="true specific force in body axes"
     )
     rate = Input(3, "rad/s", display_unit="deg/s", description="true rate with respect to inertial space, body axes")
+    temperature = Input("K", start=ROOM, min=0.0, display_unit="degC", description="temperature around the unit")
+    misalignment_change = Input(
+        3,
+        "rad",
+        fault=True,
+        display_unit="deg",
+        description="fault: the unit turns about the body axes in its mounting",
+    )
+    gyro_g_sensitivity_change = Input(
+        3, "rad.s/m", fault=True, description="fault: gyros become sensitive to the specific force along their own axes"
+    )
 
     misalignment = Parameter(
         3,
@@ -68,110 +101,42 @@ class Imu(Increments, Component):
         display_unit="deg",
         description="standard deviation of the part of that rotation that is drawn at turn-on",
     )
-    gyro_scale_factor = Parameter(
-        3,
-        "1",
-        start=0.0,
-        min=-0.5,
-        max=0.5,
-        description="given part of the scale factor error of the gyros, s_f of thesis (3.2)",
+    gyro_g_sensitivity = Parameter(
+        3, 3, "rad.s/m", description="given part of G, what each gyro shows of the specific force along the three axes"
     )
-    gyro_scale_factor_sigma = Parameter(
-        3,
-        "1",
-        start=_DEFAULT["gyro_scale_factor_sigma"],
-        min=0.0,
-        max=0.1,
-        description="standard deviation of the part of the gyros' scale factor error that is drawn at turn-on",
+    gyro_g_sensitivity_sigma = Parameter(
+        "rad.s/m", min=0.0, description="standard deviation of the part of each element of G that is drawn at turn-on"
     )
-    gyro_null_shift = Parameter(
-        3, "rad/s", start=0.0, display_unit="deg/h", description="given part of the gyros' null shift, b_0 of (3.3)"
+    self_heating = Parameter(
+        "K", min=0.0, difference=True, description="by how much the sensors become warmer than what is around them"
     )
-    gyro_null_shift_sigma = Parameter(
-        3,
-        "rad/s",
-        start=_DEFAULT["gyro_null_shift_sigma"],
-        min=0.0,
-        display_unit="deg/h",
-        description="standard deviation of the part of the gyros' null shift that is drawn at turn-on",
-    )
-    gyro_drift_sigma = Parameter(
-        3,
-        "rad/s",
-        start=_DEFAULT["gyro_drift_sigma"],
-        min=0.0,
-        display_unit="deg/h",
-        description="standard deviation of the gyros' drift b_1, thesis Table 3.2: 180 deg/h (automotive)",
-    )
-    gyro_drift_time = Parameter(
+    thermal_time = Parameter(
         "s",
-        start=_DEFAULT["gyro_drift_time"],
+        start=3600.0,
         min=1.0,
-        description="correlation time of the gyros' drift, thesis Table 3.2: 300 s (automotive)",
+        description="time constant of the temperature of the sensors: thesis Fig 3.5, a third of 3 h",
     )
-    gyro_noise_sigma = Parameter(
-        3,
-        "rad/s",
-        start=_DEFAULT["gyro_noise_sigma"],
+    calibration_temperature = Parameter(
+        "K",
+        start=ROOM,
         min=0.0,
-        display_unit="deg/s",
-        description="wide-band noise of the gyros per sample, thesis Table 3.2: 0.05 deg/s (automotive)",
-    )
-    accelerometer_scale_factor = Parameter(
-        3,
-        "1",
-        start=0.0,
-        min=-0.5,
-        max=0.5,
-        description="given part of the scale factor error of the accelerometers, s_f of (3.2)",
-    )
-    accelerometer_scale_factor_sigma = Parameter(
-        3,
-        "1",
-        start=_DEFAULT["accelerometer_scale_factor_sigma"],
-        min=0.0,
-        max=0.1,
-        description="standard deviation of the part of the accelerometers' scale factor error that is drawn at turn-on",
-    )
-    accelerometer_null_shift = Parameter(
-        3,
-        "m/s2",
-        start=0.0,
-        display_unit="mg",
-        description="given part of the accelerometers' null shift, b_0 of (3.3)",
-    )
-    accelerometer_null_shift_sigma = Parameter(
-        3,
-        "m/s2",
-        start=_DEFAULT["accelerometer_null_shift_sigma"],
-        min=0.0,
-        display_unit="mg",
-        description="standard deviation of the part of the accelerometers' null shift that is drawn at turn-on",
-    )
-    accelerometer_drift_sigma = Parameter(
-        3,
-        "m/s2",
-        start=_DEFAULT["accelerometer_drift_sigma"],
-        min=0.0,
-        display_unit="mg",
-        description="standard deviation of the accelerometers' drift, thesis (3.24): 1.2 mg",
-    )
-    accelerometer_drift_time = Parameter(
-        "s",
-        start=_DEFAULT["accelerometer_drift_time"],
-        min=1.0,
-        description="correlation time of the accelerometers' drift, thesis (3.25): 100 s",
-    )
-    accelerometer_noise_sigma = Parameter(
-        3,
-        "m/s2",
-        start=_DEFAULT["accelerometer_noise_sigma"],
-        min=0.0,
-        display_unit="mg",
-        description="wide-band noise of the accelerometers per sample, thesis (3.26): 1 mg",
+        display_unit="degC",
+        description="temperature of the sensors without errors of temperature",
     )
     sample_period = Parameter("s", start=0.01, min=1e-4, max=1.0, description="sampling period")
     drift_period = Parameter("s", start=0.1, min=1e-4, max=10.0, description="period at which the drift is advanced")
+    wander_period = Parameter(
+        "s", start=1.0, min=1e-3, max=60.0, description="period at which flicker noise and random walk are advanced"
+    )
+    flicker_time = Parameter(
+        "s",
+        start=10.0,
+        min=0.1,
+        description="shortest correlation time of the flicker noise; from 3 times that on its floor is flat",
+    )
+    latency = Parameter(
+        kind="integer", min=0, max=latency.LONGEST, description="by how many samples later a sample leaves the unit"
+    )
 
     reading = Bundle(
         rate=Output(3, "rad/s", display_unit="deg/s", description="measured rate, body axes"),
@@ -180,62 +145,80 @@ class Imu(Increments, Component):
         ),
         description="measurement",
     )
+    sensor_temperature = Output(
+        "K", start=ROOM, display_unit="degC", description="temperature of the sensors, as a probe beside them shows it"
+    )
 
-    mounting = State((3, 3), "1", description="C_m")
-    gyro_gain_error = State(3, "1", description="scale factor error of the gyros, s_f")
-    accelerometer_gain_error = State(3, "1", description="scale factor error of the accelerometers, s_f")
-    gyro_bias = State(3, "rad/s", description="null shift of the gyros after turn-on, b_0")
-    gyro_drift = State(3, "rad/s", description="drift of the gyros, b_1")
-    gyro_decay = State("1", description="exp(-T/tau) of the gyros' drift")
-    gyro_drive = State(3, "rad/s", description="sigma sqrt(1 - phi^2) of the gyros' drift")
-    accelerometer_bias = State(3, "m/s2", description="null shift of the accelerometers after turn-on, b_0")
-    accelerometer_drift = State(3, "m/s2", description="drift of the accelerometers, b_1")
-    accelerometer_decay = State("1", description="exp(-T/tau) of the accelerometers' drift")
-    accelerometer_drive = State(3, "m/s2", description="sigma sqrt(1 - phi^2) of the accelerometers' drift")
+    force_to_rate = State(3, 3, "rad.s/m", description="G after turn-on")
+    flicker_decay = State(flicker.DECADES, 1, "1", description="exp(-T / tau_i) of the flicker noise")
+    thermal_decay = State("1", description="exp(-T/tau) of the temperature")
+    taken = State(kind="integer", description="samples taken so far")
+
+    def triads(self):
+        """Gyros and accelerometers."""
+        return Triad(self, "gyro"), Triad(self, "accelerometer")
 
     @start
     def turn_on(self, noise):
-        n = noise(21)
-        rotation = self.misalignment + self.misalignment_sigma * n[12:15]
-        self.mounting = attitude.mounting(rotation)
-        self.gyro_gain_error = self.gyro_scale_factor + self.gyro_scale_factor_sigma * n[15:18]
-        self.accelerometer_gain_error = (
-            self.accelerometer_scale_factor + self.accelerometer_scale_factor_sigma * n[18:21]
-        )
-        self.gyro_bias = self.gyro_null_shift + self.gyro_null_shift_sigma * n[0:3]
-        self.accelerometer_bias = self.accelerometer_null_shift + self.accelerometer_null_shift_sigma * n[3:6]
-        self.gyro_drift = gauss_markov.stationary(self.gyro_drift_sigma, n[6:9])
-        self.accelerometer_drift = gauss_markov.stationary(self.accelerometer_drift_sigma, n[9:12])
-        self.gyro_decay = gauss_markov.decay(self.drift_period, self.gyro_drift_time)
-        self.gyro_drive = gauss_markov.drive(self.gyro_drift_sigma, self.gyro_decay)
-        self.accelerometer_decay = gauss_markov.decay(self.drift_period, self.accelerometer_drift_time)
-        self.accelerometer_drive = gauss_markov.drive(self.accelerometer_drift_sigma, self.accelerometer_decay)
-        self.begin_increments(*self.sensed())
+        both = self.triads()
+        for sensors in both:
+            sensors.draw("null_shift", noise)
+        for sensors in both:
+            sensors.begin_drift(self.drift_period, noise)
+        mounting = attitude.mounting(self.misalignment + self.misalignment_sigma * noise(3))
+        for sensors in both:
+            sensors.draw("scale_factor", noise)
+        self.force_to_rate = self.gyro_g_sensitivity + self.gyro_g_sensitivity_sigma * np.reshape(noise(9), (3, 3))
+        for sensors in both:
+            for error in ("scale_factor_asymmetry", "scale_factor_temperature", "null_shift_temperature"):
+                sensors.draw(error, noise)
+            sensors.draw("nonorthogonality", noise)
+            sensors.begin_wander(noise)
+            sensors.begin_lag(mounting, self.sample_period)
+        self.flicker_decay = gauss_markov.decay(self.wander_period, flicker.correlation_times(self.flicker_time))
+        self.thermal_decay = gauss_markov.decay(self.drift_period, self.thermal_time)
+        self.sensor_temperature = self.temperature
+        for sensors, scaled in zip(both, self.scaled(), strict=True):
+            sensors.settle(scaled)
+        self.begin_increments(*(sensors.sensed(sensors.lagged[0], self.warmer()) for sensors in both))
+
+    def warmer(self):
+        """Temperature of the sensors above that of their calibration, K."""
+        return self.sensor_temperature - self.calibration_temperature
+
+    def scaled(self):
+        """What gyros and accelerometers show but for their lags: axes, sensitivity to force, scale factors."""
+        gyros, accelerometers = self.triads()
+        force = axes.turned(accelerometers.axes @ self.specific_force, self.misalignment_change)
+        rate = axes.turned(gyros.axes @ self.rate, self.misalignment_change)
+        rate = rate + self.force_to_rate @ force + self.gyro_g_sensitivity_change * force
+        return gyros.scaled(rate, self.warmer()), accelerometers.scaled(force, self.warmer())
 
     @every("drift_period")
     def drift(self, noise):
-        n = noise(6)
-        self.gyro_drift = gauss_markov.advance(self.gyro_drift, self.gyro_decay, self.gyro_drive, n[0:3])
-        self.accelerometer_drift = gauss_markov.advance(
-            self.accelerometer_drift, self.accelerometer_decay, self.accelerometer_drive, n[3:6]
+        for sensors in self.triads():
+            sensors.advance_drift(noise)
+        self.sensor_temperature = heating.advance(
+            self.sensor_temperature, self.temperature, self.self_heating, self.thermal_decay
         )
 
     @every("sample_period")
     def sample(self, noise):
-        n = noise(6)
-        rate, specific_force = self.sensed()
-        rate_noise, force_noise = self.gyro_noise_sigma * n[0:3], self.accelerometer_noise_sigma * n[3:6]
-        self.reading.publish(rate=rate + rate_noise, specific_force=specific_force + force_noise)
-        self.integrate(rate, specific_force, rate_noise, force_noise)
-
-    def sensed(self):
-        """Rate and specific force with all errors but wide-band noise."""
-        return (
-            inertial.sense(self.mounting @ self.rate, self.gyro_gain_error, self.gyro_bias, self.gyro_drift),
-            inertial.sense(
-                self.mounting @ self.specific_force,
-                self.accelerometer_gain_error,
-                self.accelerometer_bias,
-                self.accelerometer_drift,
-            ),
+        gyros, accelerometers = self.triads()
+        rate, force = self.scaled()
+        rate = gyros.sensed(gyros.follow(rate, self.period), self.warmer())
+        force = accelerometers.sensed(accelerometers.follow(force, self.period), self.warmer())
+        rate_noise, force_noise = gyros.noise_sigma * noise(3), accelerometers.noise_sigma * noise(3)
+        self.taken = self.taken + 1
+        self.reading.publish(
+            rate=gyros.leave(gyros.read(rate, rate_noise), self.latency),
+            specific_force=accelerometers.leave(accelerometers.read(force, force_noise), self.latency),
+            time_of_validity=self.time - self.latency * self.period,
+            when=self.taken > self.latency,
         )
+        self.integrate(rate, force, rate_noise, force_noise)
+
+    @every("wander_period")
+    def wander(self, noise):
+        for sensors in self.triads():
+            sensors.advance_wander(self.period, self.flicker_decay, noise)
