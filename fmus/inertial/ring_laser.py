@@ -72,18 +72,26 @@ class RingLaser(Component):
     )
 
     walk = State(3, "rad/s", description="random walk of the angle over the root of the sample period")
-    phase = State(3, "rad", description="phase between the beams")
+    phase_sine = State(3, "1", description="sine of half the phase between the beams")
+    phase_cosine = State(3, "1", description="cosine of half of it")
     rest = State(3, "rad", description="angle that has not made a pulse")
 
     @start
     def turn_on(self, noise):
         self.walk = ring_laser.random_walk(self.lock_in, self.pulse, self.dither_rate) / np.sqrt(self.sample_period)
-        self.phase = np.pi * noise(3)
+        phase = np.pi * noise(3)
+        self.phase_sine, self.phase_cosine = np.sin(0.5 * phase), np.cos(0.5 * phase)
 
     @every("sample_period")
     def sample(self, noise):
-        turned = ring_laser.advance(self.phase, self.rate, self.lock_in, self.pulse, self.period)
-        self.phase = np.remainder(self.phase + turned, 2.0 * np.pi)
+        turned, self.phase_sine, self.phase_cosine = ring_laser.advance(
+            self.phase_sine,
+            self.phase_cosine,
+            self.rate,
+            self.lock_in,
+            self.pulse,
+            np.where(self.dither_off, self.period, 0.0),
+        )
         angle = np.where(
             self.dither_off,
             turned * self.pulse / (2.0 * np.pi),

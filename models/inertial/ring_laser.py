@@ -8,13 +8,14 @@ other pulls it towards a value of its own (Adler's equation; dead zone +-w_L of 
 Below w_L it comes to rest and there are no pulses. Above, pulses come in the mean at the rate sqrt(w^2 - w_L^2).
 
 (1) is Riccati's for tan(psi/2) = p/q, so over a time T with w held it is a matrix, (p, q) <- exp(M T) (p, q), where
-M M = (w_L^2 - w^2) (pi / K)^2 times the unit matrix: :func:`advance` is exact for any T.
+M M = (w_L^2 - w^2) (pi / K)^2 times the unit matrix: :func:`advance` is exact for any T. Of (p, q) only the direction
+counts.
 
 Dither turns the ring to and fro at a peak rate w_D much above w_L, at a frequency f (250 to 500 Hz in AGARD CP-298,
 Siouris; 400 Hz in Loukianov). Within lock-in it then is only where it turns back, with the acceleration 2 pi f w_D,
-twice in a period, and angle is gained or lost there, the integral of -w_L sin(psi_0 + 2 pi f w_D (2 pi / K) t^2 / 2):
-a Fresnel integral of mean square w_L^2 K / (4 pi f w_D) where psi_0 is as good as random, which is what random dither is
-for. So the angle walks, independently of f, by
+twice in a period. There the integral of -w_L sin(psi_0 + 2 pi f w_D (2 pi / K) t^2 / 2) is gained or lost, a Fresnel
+integral of mean square w_L^2 K / (4 pi f w_D) where psi_0 is as good as random, which is what random dither is for. So
+the angle walks, independently of f, by
 
     w_L sqrt(K / (2 pi w_D))  rad per root second                                                                  (2)
 """
@@ -29,23 +30,37 @@ def beat(rate, lock_in):
     return np.sign(rate) * np.sqrt(np.maximum(rate * rate - lock_in * lock_in, 0.0))
 
 
-def advance(phase, rate, lock_in, pulse, period):
-    """How far the phase psi gets in ``period`` (s) by (1), rad; ``pulse`` is K in rad, the rates are in rad/s."""
+def advance(p, q, rate, lock_in, pulse, period):
+    """The phase after ``period`` by (1).
+
+    Parameters
+    ----------
+    p, q
+        Sine and cosine of half the phase psi.
+    rate, lock_in, pulse, period
+        w and w_L in rad/s, K in rad, T in s.
+
+    Returns
+    -------
+    How far the phase has got, rad; sine and cosine of half of it (or both with the other sign).
+    """
     drive, pull = np.pi * rate / pulse, np.pi * lock_in / pulse
-    free = drive * drive > pull * pull
-    square = np.abs(drive * drive - pull * pull)
-    still = square <= 1e-24 * (pull * pull + 1e-300)
-    root = np.sqrt(np.where(still, 1.0, square))
-    turns = np.floor(np.where(free, root * period / np.pi, 0.0))
-    rest = root * period - np.pi * turns
-    ratio = np.where(still, period, np.where(free, np.sin(rest), np.tanh(rest)) / root)
-    share = np.where(np.logical_and(free, np.logical_not(still)), np.cos(rest), 1.0)
-    p, q = np.sin(0.5 * phase), np.cos(0.5 * phase)
+    square = drive * drive - pull * pull
+    free, still = square > 0.0, np.abs(square) <= 1e-24 * pull * pull
+    root = np.sqrt(np.where(still, 1.0, np.abs(square)))
+    through = np.where(np.logical_or(still, np.logical_not(free)), 0.0, root * period)
+    turns = np.floor(through / np.pi)
+    rest = through - np.pi * turns
+    ratio = np.where(free, np.sin(rest), np.tanh(np.where(free, 0.0, root * period))) / root
+    ratio = np.where(still, period, ratio)
+    share = np.cos(rest)
     p_after = share * p + ratio * (drive * q - pull * p)
     q_after = share * q + ratio * (pull * q - drive * p)
+    size = np.sqrt(p_after * p_after + q_after * q_after)
     half = np.arctan2(p_after * q - q_after * p, p_after * p + q_after * q)
+    # a last bit at the end of a turn must not make it one backwards
     half = np.where(np.logical_and(free, half * drive < -np.abs(drive)), half + 2.0 * np.pi * np.sign(drive), half)
-    return 2.0 * half + 2.0 * np.pi * np.sign(rate) * turns
+    return 2.0 * (half + np.pi * np.sign(rate) * turns), p_after / size, q_after / size
 
 
 def random_walk(lock_in, pulse, dither_rate):
