@@ -1,0 +1,73 @@
+"""Random numbers of every component that has any: the same for all step sizes, independent for different seeds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from navfmu import System
+from tests.built import components, fmu
+
+HERE = {"latitude": np.radians(37.75), "longitude": np.radians(-121.6), "altitude": 1500.0}
+NORTH = {"velocity_n": (46.3, 0.0, 0.0)}
+# what each is told, which of its outputs are looked at, and how often they change, s
+NOISY = {
+    "air_data": ({**NORTH, "altitude": 1500.0}, ["air.calibrated_airspeed", "air.pressure_altitude"], 0.1),
+    "aircraft": ({}, ["specific_force[2]"], 0.1),
+    "dme": ({**HERE, **NORTH, "mode": 1}, ["ranging.slant_range[1]"], 1.0),
+    "gps": (HERE, ["fix.altitude", "fix.velocity_n[1]", "attitude.roll"], 1.0),
+    "imu": ({}, [f"reading.{what}[{i}]" for what in ("rate", "specific_force") for i in (1, 2, 3)], 0.01),
+    "magnetometer": (HERE, [f"field.field_b[{i}]" for i in (1, 2, 3)], 0.1),
+    "weather": (NORTH, ["temperature_deviation", "sea_level_pressure"], 1.0),
+    "wind": (NORTH, ["wind_n[1]", "wind_n[2]"], 1.0),
+}
+SAMPLES = 600
+BEYOND = 5.0
+"""Sigmas: one of two dozen outputs is beyond with a probability of 1e-5."""
+
+
+def test_every_component_with_random_numbers_is_here():
+    assert {name for name, component in components().items() if component.layout.uses_noise} == set(NOISY)
+
+
+@pytest.fixture(params=NOISY)
+def run(request, tmp_path_factory):
+    """Run one component alone; all outputs."""
+    system = System.load(fmu(request.param, tmp_path_factory))
+    told, watched, period = NOISY[request.param]
+
+    def run(step: float, stop: float, seed: int, record_period: float, record=("*",)) -> pd.DataFrame:
+        parameters = {f"{request.param}.{name}": value for name, value in told.items()}
+        return system.run(
+            stop=stop, step=step, seed=seed, record=list(record), record_period=record_period, parameters=parameters
+        )
+
+    run.watched, run.period = [f"{request.param}.{name}" for name in watched], period
+    return run
+
+
+def test_the_same_numbers_for_every_step_size(run):
+    """Catches noise that is drawn for each call, or numbered by calls, and a process that is advanced by the step."""
+    expected = run(0.01, 60.0, seed=3, record_period=1.0)
+    for step in (0.05, 0.25, 1.0):
+        pd.testing.assert_frame_equal(run(step, 60.0, seed=3, record_period=1.0), expected, check_exact=True)
+
+
+def test_seeds_have_streams_of_their_own(run):
+    """Catches a seed without effect, streams that are shifts of one another, and outputs that share one.
+
+    Of changes from one sample to the next, so that what is constant after turn-on has no part. The variance of a
+    correlation of two independent series is sum rho_1(k) rho_2(k) / n (Bartlett).
+    """
+    stop = (SAMPLES + 100) * run.period
+    runs = [run(run.period, stop, seed, run.period, run.watched).iloc[100:].diff().iloc[1:] for seed in (1, 2)]
+    series = [(f"{name}, seed {seed}", x[name]) for seed, x in enumerate(runs, 1) for name in run.watched]
+    series = [(name, np.asarray((x - x.mean()) / x.std(ddof=0))) for name, x in series]
+    for i, (one, a) in enumerate(series):
+        for other, b in series[:i]:
+            rho = [np.correlate(x, x, "full")[len(x) - 1 :] / len(x) for x in (a, b)]
+            sigma = np.sqrt((1.0 + 2.0 * np.sum(np.prod(rho, axis=0)[1 : len(a) // 10])) / len(a))
+            every_shift = np.correlate(a, b, "full") / len(a)
+            assert abs(every_shift[len(a) - 1]) < BEYOND * sigma, (one, other)
+            assert np.max(np.abs(every_shift)) < 0.9, (one, other)
