@@ -19,11 +19,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from models.air.turbulence import FOOT
 from models.earth.earth import STANDARD_GRAVITY as G
 from models.magnetic.magnetometer import MILLIGAUSS
 
 DEG = float(np.radians(1.0))
 DEG_PER_HOUR = DEG / 3600.0
+KNOT = 1852.0 / 3600.0
 
 
 def _drift(gyro_drift, gyro_time, gyro_noise, drift, time, noise) -> dict[str, float]:
@@ -81,6 +83,16 @@ AIR_DATA: dict[str, float] = {
 
 The difference of pressures has a calibration of its own: 2 % of it is 1 % of the airspeed, 10 Pa are 0.2 m/s at 46 m/s
 (the recording of a small aircraft at hand has 3 % and -20 Pa). The temperature probe is within 1 K (own choice).
+"""
+
+TURBULENCE: dict[str, dict[str, float]] = {
+    "light": {"turbulence_sigma": 7 * FOOT, "wind_at_20_feet": 15 * KNOT},
+    "moderate": {"turbulence_sigma": 10 * FOOT, "wind_at_20_feet": 30 * KNOT},
+    "severe": {"turbulence_sigma": 23 * FOOT, "wind_at_20_feet": 45 * KNOT},
+}
+"""Parameters of ``wind`` by grade of MIL-F-8785C: figure 7 between 2000 and 10000 ft, section 3.7.3 near the ground.
+
+A fixed wing that is to be carried by it takes the intensity as ``gust_sigma`` of ``aircraft`` instead.
 """
 
 CRUSTAL_LENGTH = 10.0e3
