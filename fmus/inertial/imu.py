@@ -6,7 +6,9 @@ import numpy as np
 
 from fmus.grades import GRADES
 from fmus.inertial.increments import Increments
+from fmus.inertial.lever_arm import LeverArm
 from fmus.inertial.triad import Triad, triad
+from fmus.inertial.vibration import Vibration
 from models.attitude import attitude
 from models.earth.earth import STANDARD_GRAVITY
 from models.inertial import axes, flicker, heating, latency
@@ -19,6 +21,8 @@ ROOM = 293.15
 
 
 class Imu(
+    Vibration,
+    LeverArm,
     Increments,
     triad("accelerometer", "accelerometers", "m/s2", ("mg", "mg"), _DEFAULT),
     triad("gyro", "gyros", "rad/s", ("deg/h", "deg/s"), _DEFAULT),
@@ -178,6 +182,7 @@ class Imu(
         self.flicker_decay = gauss_markov.decay(self.wander_period, flicker.correlation_times(self.flicker_time))
         self.thermal_decay = gauss_markov.decay(self.drift_period, self.thermal_time)
         self.sensor_temperature = self.temperature
+        self.begin_rates()
         for sensors, scaled in zip(both, self.scaled(), strict=True):
             sensors.settle(scaled)
         self.begin_increments(*(sensors.sensed(sensors.lagged[0], self.warmer()) for sensors in both))
@@ -189,8 +194,9 @@ class Imu(
     def scaled(self):
         """What gyros and accelerometers show but for their lags: axes, sensitivity to force, scale factors."""
         gyros, accelerometers = self.triads()
-        force = axes.turned(accelerometers.axes @ self.specific_force, self.misalignment_change)
-        rate = axes.turned(gyros.axes @ self.rate, self.misalignment_change)
+        rate, force = self.shaken(self.rate, self.force_at_the_arm())
+        force = axes.turned(accelerometers.axes @ force, self.misalignment_change)
+        rate = axes.turned(gyros.axes @ rate, self.misalignment_change)
         rate = rate + self.force_to_rate @ force + self.gyro_g_sensitivity_change * force
         return gyros.scaled(rate, self.warmer()), accelerometers.scaled(force, self.warmer())
 
@@ -206,6 +212,7 @@ class Imu(
     def sample(self, noise):
         gyros, accelerometers = self.triads()
         rate, force = self.scaled()
+        self.remember_rate()
         rate = gyros.sensed(gyros.follow(rate, self.period), self.warmer())
         force = accelerometers.sensed(accelerometers.follow(force, self.period), self.warmer())
         rate_noise, force_noise = gyros.noise_sigma * noise(3), accelerometers.noise_sigma * noise(3)

@@ -7,14 +7,12 @@ import numpy as np
 from models.inertial import coning, increments, sculling
 from navfmu.export import Bundle, Output, Parameter, State
 
-SHAPES = ("trapezoid", "flat")
 MOST = 4
 """Samples that a product of coning reaches over; its order is twice that."""
-NUMBERS = np.zeros((len(SHAPES), MOST, MOST - 1))
-"""c_1 ... c_3 of ``models.inertial.coning`` by shape and samples."""
-for _s, _shape in enumerate(SHAPES):
-    for _m in range(MOST):
-        NUMBERS[_s, _m, :_m] = [float(c) for c in coning.before(_m, _shape)]
+NUMBERS = np.zeros((MOST, MOST - 1))
+"""c_1 ... c_3 of ``models.inertial.coning`` by number of samples, for inputs that are integrated by trapezoids."""
+for _m in range(MOST):
+    NUMBERS[_m, :_m] = [float(c) for c in coning.before(_m, "trapezoid")]
 
 
 class Increments:
@@ -34,12 +32,6 @@ class Increments:
         max=MOST,
         description="samples m that a product for coning and sculling reaches over, order 2m (RTO MP-43 (1999), Mark "
         "and Tazartes, Table 1); 1: how rotations add up, and no more",
-    )
-    coning_shape = Parameter(
-        kind="enumeration",
-        items=SHAPES,
-        description="for which integrals the products are made: trapezoid, as the inputs are integrated, or flat, as "
-        "vibration is (RTO MP-43 (1999), Mark and Tazartes, (A-54))",
     )
     angle_quantum = Parameter(
         "rad",
@@ -75,9 +67,8 @@ class Increments:
     def begin_increments(self, rate, specific_force):
         """What is sensed when initialisation ends. (Not a task of its own: it would move the noise of the others.)"""
         self.last_rate, self.last_force = rate, specific_force
-        numbers = np.where(self.coning_shape == 1, *NUMBERS)
         self.coning_numbers = np.select(
-            [self.coning_samples == m for m in range(1, MOST)], list(numbers[:-1]), numbers[-1]
+            [self.coning_samples == m for m in range(1, MOST)], list(NUMBERS[:-1]), NUMBERS[-1]
         )
 
     def integrate(self, rate, specific_force, rate_noise, force_noise):

@@ -20,40 +20,14 @@ from __future__ import annotations
 import numpy as np
 
 
-def oscillation(sine, cosine, turn):
-    """``sine`` sin(turn) + ``cosine`` cos(turn)."""
-    return sine * np.sin(turn) + cosine * np.cos(turn)
-
-
 def rate(s, c, frequency, turn):
     """Rate of the sensors against the vehicle, rad/s, (1); ``turn`` is w t in rad, ``frequency`` w in rad/s."""
-    return frequency * (oscillation(-c, s, turn) + coning(s, c))
-
-
-def angle(s, c, before, now):
-    """Integral of (1) while w t goes from ``before`` to ``now``, rad."""
-    return oscillation(s, c, now) - oscillation(s, c, before) + (now - before) * coning(s, c)
+    return frequency * (s * np.cos(turn) - c * np.sin(turn) + 0.5 * np.cross(s, c))
 
 
 def specific_force(s, c, p, q, turn):
     """Specific force of vibration, m/s2, (2)."""
-    return oscillation(p, q, turn) - sculling(s, c, p, q)
-
-
-def velocity(s, c, p, q, frequency, before, now):
-    """Integral of (2) while w t goes from ``before`` to ``now``, m/s."""
-    swing = oscillation(q, -p, now) - oscillation(q, -p, before)
-    return (swing - (now - before) * sculling(s, c, p, q)) / frequency
-
-
-def coning(s, c):
-    """Constant rate of (1) over w."""
-    return 0.5 * np.cross(s, c)
-
-
-def sculling(s, c, p, q):
-    """Mean specific force that the turning sensors' force has in the vehicle, m/s2."""
-    return 0.5 * (np.cross(s, p) + np.cross(c, q))
+    return p * np.sin(turn) + q * np.cos(turn) - 0.5 * (np.cross(s, p) + np.cross(c, q))
 
 
 def rectified(p, q, k):
