@@ -20,7 +20,7 @@ part c in which it stays at its peak U,
     u(s) = U (k(s / H) - k((s - H - c) / H)),   k(x) = (1 - cos(pi x)) / 2, 0 below x = 0, 1 above x = 1.          (3)
 
 With c = 0 this is the gust of CS-25.341 (a)(2), U/2 (1 - cos(pi s / H)) up to s = 2 H, H from 9 to 107 m; with a c
-that does not end it is that of MIL-F-8785C, 3.7.1.3; with a short H and c the width of a wake, a step into it and out.
+that does not end it is that of MIL-F-8785C, section 3.7; with a short H and c the width of a wake, a step in and out.
 """
 
 from __future__ import annotations
