@@ -1,61 +1,21 @@
 """Error budgets of the sensors in one place: values for ``imu``, ``magnetometer``, ``air_data``, and so for ``ahrs``.
 
-Drift and wide-band noise of the inertial grades are those of thesis Table 3.2 (= Table 5.2), p. 56. The table leaves
-out what is constant after turn-on; here that is drawn from
-
-tactical    null shift 1 deg/h and 1 mg, 1 sigma (data sheet of the Honeywell HG1700); scale factors 150 and 300 ppm, as
-            usual in this class
-automotive  gyros: scale factor within 2.6 % over 0 to 60 degC (thesis section 3.3.1; evenly spread that is 0.75 %),
-            null shift within 0.1 deg/s over temperature (data sheet of the Memsic AHRS380SA, a calibrated unit of this
-            class). Accelerometers: 5 mg and 0.5 % (own choice, between the neighbours)
-consumer    twice the automotive errors, as in the thesis; so its scale factor is within 3 % at 2 sigma, which is the
-            initial tolerance in the data sheet of the InvenSense MPU-6050. That part's initial null shifts of 20 deg/s
-            and 50 mg are taken out before the flight
-
-Mounting, all grades but tactical: some 0.25 degrees in a light aircraft (own choice). Set a sigma to 0 to have none.
+Those of inertial units, and their sources, are in ``fmus.inertial.grades``.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from fmus.inertial.grades import DEG, DEG_PER_HOUR, INERTIAL, TABLE_3_2
 from models.air.turbulence import FOOT
 from models.earth.earth import STANDARD_GRAVITY as G
 from models.magnetic.magnetometer import MILLIGAUSS
 
-DEG = float(np.radians(1.0))
-DEG_PER_HOUR = DEG / 3600.0
 KNOT = 1852.0 / 3600.0
 
-
-def _drift(gyro_drift, gyro_time, gyro_noise, drift, time, noise) -> dict[str, float]:
-    return {
-        "gyro_drift_sigma": gyro_drift * DEG_PER_HOUR,
-        "gyro_drift_time": gyro_time,
-        "gyro_noise_sigma": gyro_noise * DEG,
-        "accelerometer_drift_sigma": drift * G,
-        "accelerometer_drift_time": time,
-        "accelerometer_noise_sigma": noise * G,
-    }
-
-
-def _turn_on(gyro_null_shift, gyro_scale_factor, null_shift, scale_factor, misalignment) -> dict[str, float]:
-    return {
-        "gyro_null_shift_sigma": gyro_null_shift * DEG_PER_HOUR,
-        "gyro_scale_factor_sigma": gyro_scale_factor,
-        "accelerometer_null_shift_sigma": null_shift * G,
-        "accelerometer_scale_factor_sigma": scale_factor,
-        "misalignment_sigma": misalignment * DEG,
-    }
-
-
-GRADES: dict[str, dict[str, float]] = {
-    #                       deg/h     s   deg/s       g      s      g              deg/h    1        g      1     deg
-    "tactical": {**_drift(0.35, 100.0, 0.0017, 50e-6, 60.0, 50e-5), **_turn_on(1.0, 150e-6, 1e-3, 300e-6, 0.05)},
-    "automotive": {**_drift(180.0, 300.0, 0.05, 1.2e-3, 100.0, 1e-3), **_turn_on(360.0, 0.0075, 5e-3, 0.005, 0.25)},
-    "consumer": {**_drift(360.0, 300.0, 0.05, 2.4e-3, 100.0, 1e-3), **_turn_on(720.0, 0.015, 10e-3, 0.01, 0.5)},
-}
-"""Parameters of ``imu`` by grade; a parameter of three axes takes the same value on each."""
+GRADES = {grade: INERTIAL[grade].values for grade in TABLE_3_2}
+"""Parameters of ``imu`` by grade of thesis Table 3.2 (= Table 5.2), p. 56."""
 
 MAGNETOMETER: dict[str, float] = {
     "hard_iron_sigma": 5.0 * MILLIGAUSS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus.grades import GRADES
+from fmus.inertial.grades import INERTIAL
 from fmus.inertial.increments import Increments
 from fmus.inertial.lever_arm import LeverArm
 from fmus.inertial.triad import Triad, triad
@@ -15,7 +15,7 @@ from models.inertial import axes, flicker, heating, latency
 from models.processes import gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
-_DEFAULT = GRADES["automotive"]
+_DEFAULT = INERTIAL["automotive"].values
 ROOM = 293.15
 """20 degC in K."""
 
@@ -65,6 +65,7 @@ class Imu(
     """
 
     name = "imu"
+    parameter_sets = INERTIAL
     example = Example(
         steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)},
         text="The readings step with the truth, offset by null shift and drift of each axis (tenths of a degree per "

@@ -4,6 +4,7 @@ from navfmu.export.declaration.bundle import Bundle
 from navfmu.export.declaration.component import Component
 from navfmu.export.declaration.example import Example
 from navfmu.export.declaration.grid import Grid
+from navfmu.export.declaration.parameter_set import ParameterSet
 from navfmu.export.declaration.requirement import require
 from navfmu.export.declaration.table import Table
 from navfmu.export.declaration.task import every, on_new, start
@@ -17,6 +18,7 @@ __all__ = [
     "Input",
     "Output",
     "Parameter",
+    "ParameterSet",
     "State",
     "Table",
     "every",

@@ -59,6 +59,7 @@ def _build(
 ) -> None:
     from navfmu.export.build import build_all
     from navfmu.export.discovery import choose, components
+    from navfmu.export.parameter_sets import write
     from navfmu.terminal.progress import Progress
 
     started = time.monotonic()
@@ -66,9 +67,12 @@ def _build(
     with Progress("building FMUs") as progress:
         folder_of_twins = out / "python" if twins else None
         built = build_all(chosen, out, platforms.split(","), jobs, progress, folder_of_twins, pictures)
+    sets = [path for component in chosen for path in write(component, out)]
     for item in built:
         state = "unchanged" if item.unchanged else f"{item.path.stat().st_size / 1000:.0f} kB"
         click.echo(f"{item.path}  {state}")
+    if sets:
+        click.echo(f"{sets[0].parent}  {len(sets)} parameter sets")
     fresh = sum(not item.unchanged for item in built)
     click.echo(f"{len(built)} FMUs, {fresh} built anew, in {time.monotonic() - started:.1f} s")
 

@@ -260,7 +260,7 @@ class SystemSource:
                 if component in special.components and component not in special.set_names:
                     name = f"{component}_{variant}"
                 bindings[component] = f"{RESOURCES}/{name}.ssv"
-                files[bindings[component]] = self._values_document(self._of(component, variant), values, name)
+                files[bindings[component]] = values_document(self._of(component, variant), values, name)
         files[MAIN if variant is None else f"{variant}.ssd"] = self._system_document(variant, special, bindings)
         return files
 
@@ -340,23 +340,25 @@ class SystemSource:
         target = self._of(end, variant).variable(input_, where)
         _check_pair(source, target, where)
 
-    def _values_document(self, description: Description, values: dict[str, Any], name: str) -> bytes:
-        units: dict[str, Unit] = {}
-        lines = [
-            '<?xml version="1.0" encoding="UTF-8"?>',
-            _open("ssv:ParameterSet", version="1.0", name=PARAMETER_SET, description=name, **_xmlns("ssc", "ssv")),
-            "  <ssv:Parameters>",
-        ]
-        for variable in description.variables:
-            if variable.name in values:
-                lines.append("    " + _open("ssv:Parameter", name=variable.name))
-                lines.append("      " + _value(variable, values[variable.name]))
-                lines.append("    </ssv:Parameter>")
-                _note_unit(units, variable, description)
-        lines.append("  </ssv:Parameters>")
-        lines += _unit_lines("ssv:Units", units)
-        lines.append("</ssv:ParameterSet>")
-        return ("\n".join(lines) + "\n").encode()
+
+def values_document(description: Description, values: Mapping[str, Any], text: str) -> bytes:
+    """The .ssv of an FMU: ``values`` by name of the variable, and a ``text`` that says what they are."""
+    units: dict[str, Unit] = {}
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        _open("ssv:ParameterSet", version="1.0", name=PARAMETER_SET, description=text, **_xmlns("ssc", "ssv")),
+        "  <ssv:Parameters>",
+    ]
+    for variable in description.variables:
+        if variable.name in values:
+            lines.append("    " + _open("ssv:Parameter", name=variable.name))
+            lines.append("      " + _value(variable, values[variable.name]))
+            lines.append("    </ssv:Parameter>")
+            _note_unit(units, variable, description)
+    lines.append("  </ssv:Parameters>")
+    lines += _unit_lines("ssv:Units", units)
+    lines.append("</ssv:ParameterSet>")
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _check_pair(source: Variable, target: Variable, where: str) -> None:

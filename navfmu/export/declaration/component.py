@@ -21,6 +21,8 @@ A declaration needs NumPy alone: it is traced to C (``lower.py``) and run with f
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from navfmu.errors import NavfmuError, nearest
@@ -28,6 +30,7 @@ from navfmu.export.declaration.bundle import Bundle
 from navfmu.export.declaration.frame import Frame
 from navfmu.export.declaration.layout import Layout
 from navfmu.export.declaration.numbers import Numbers
+from navfmu.export.declaration.parameter_set import ParameterSet
 from navfmu.export.declaration.variable import Variable
 from navfmu.export.place import place
 
@@ -37,6 +40,7 @@ class Component:
 
     layout: Layout
     tick: str | None = None
+    parameter_sets: Mapping[str, ParameterSet] = MappingProxyType({})
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
