@@ -26,17 +26,15 @@ class AirData(Component):
     (to within 1 % up to 10 degrees). Two lines lead to the instruments: volumes that fill through what openings they
     have, tau p' = sum g_i (p_i - p), with tau = tau_0 (p_0/p) (mu/mu_0) by the law of Hagen and Poiseuille, 0 at first.
 
-    | fault | what it does to the lines | what is seen |
-    | --- | --- | --- |
-    | `pitot_inlet_blocked` (F20) | only the drain is open | airspeed falls to 0, with tau / drain |
-    | `pitot_blocked` (F21) | inlet and drain shut | airspeed deaf to speed, rises in a climb, falls in a descent |
-    | `static_blocked` (F22) | port shut | altitude frozen, vertical speed 0, airspeed low above, high below |
-    | `pitot_ice` (F23) | inlet closes to this share, in `freezing_time` | airspeed sinks, slowly, then fast |
-    | `alternate_static` (F24) | cabin air instead of the port | altitude and airspeed high, a moment of climb |
-    | `static_leak`, `pitot_leak` (F24) | cabin air besides | altitude, airspeed towards the cabin's |
-    | `lines_swapped` (F25) | each at the other's instrument | airspeed 0, altitude low by V^2 / (2 g) |
-    | `static_water`, `pitot_water` | water in the lowest place, m | readings stick, then lag in climb and descent |
-    | `drain_blocked` | drain shut | airspeed high by half the drain's share; ice then traps the pressure |
+    pitot_inlet_blocked  only the drain is open (F20): the airspeed falls to 0, with tau / drain
+    pitot_blocked  inlet and drain are shut (F21): airspeed deaf to speed, rises in a climb, falls in a descent
+    static_blocked  F22: altitude frozen, vertical speed 0, airspeed low above the height of blocking, high below it
+    pitot_ice  the inlet closes to this share in `freezing_time` (F23): the airspeed sinks, slowly, then fast
+    drain_blocked  airspeed high by half the drain's share; ice then traps the pressure
+    alternate_static  cabin air instead of the port (F24): altitude and airspeed high, for a moment a climb
+    static_leak, pitot_leak  cabin air as well (F24): pressures between those of outside and of the cabin
+    lines_swapped  each line at the other's instrument (F25): no airspeed, altitude low by V^2 / (2 g)
+    static_water, pitot_water  in the lowest place of the line: readings stick, then lag in climb and descent
 
     From the pressures at the instruments (thesis section 2.5.3, p. 24)
 
