@@ -27,6 +27,7 @@ class Weather(Component):
     name = "weather"
     example = Example(
         {"velocity_n": (46.3, 0.0, 0.0), "pressure_gradient": (-1e-3, 0.0)},
+        steps={},
         duration=3600.0,
         text="An hour of flight to the north, 167 km, towards a low: 1 hPa less every 100 km, about which the pressure "
         "wanders by 1.2 hPa, 10 m of pressure altitude, and the temperature by 2 K. Another `seed` gives another day.",

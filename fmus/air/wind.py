@@ -48,9 +48,12 @@ class Wind(Component):
 
     name = "wind"
     example = Example(
+        {"turbulence_sigma": (1.0, 1.0, 1.0)},
+        steps={"shear": True},
         duration=1800.0,
         text="Half an hour of wind, which wanders by 5 m/s (10 kn, 1 sigma) on each axis and forgets within some "
-        "400 s. Another `seed` gives another wind.",
+        "400 s, with turbulence of 1 m/s; at 360 s a shear sets in, and the wind to the north falls by 10 m/s (19 kn). "
+        "Another `seed` gives another wind.",
     )
 
     altitude = Input(
