@@ -76,17 +76,15 @@ def test_dither_leaves_the_random_walk_of_the_formula():
     for half in range(halves):
         size = swing * (1.0 + 0.4 * (rng.random(rings) - 0.5))
         begin = half * np.pi
-        for i in range(
-            steps
-        ):  # from one peak of the angular rate's zero to the next: psi' = -size cos(t) - pull sin psi
-            t = begin + i * h
+        for t in begin + h * np.arange(steps):  # psi' = -size sin t - pull sin psi, by the midpoint
             move = size * (np.cos(t + h) - np.cos(t))
             middle = psi + size * (np.cos(t + 0.5 * h) - np.cos(t)) - 0.5 * h * pull * np.sin(psi)
             psi = psi + move - h * pull * np.sin(middle)
             free = free + move
     lost = psi - free
-    # (2) in phase: (2 pi / K)^2 w_L^2 K / (2 pi w_D) t is pull^2 / (size) t with size the peak rate of phase
-    expected = pull**2 * np.mean(1.0 / (swing * (1.0 + 0.4 * (np.linspace(0, 1, 1001) - 0.5)))) * halves * np.pi
+    # with K = 2 pi angles are phases; size is the peak rate of the dither in them
+    sizes = swing * (1.0 + 0.4 * (np.linspace(0, 1, 1001) - 0.5))
+    expected = np.mean(ring_laser.random_walk(pull, 2 * np.pi, sizes) ** 2) * halves * np.pi
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], rings) / rings
     assert 0.97 * low < np.mean(lost**2) / expected < 1.03 * high
 
