@@ -83,9 +83,9 @@ class AirDataReplay(replay.face(AirData, "air"), Component):
         told = replay.announcement(sample, self.air)
         new, interval = told["when"], sample["time_of_validity"] - self.air.time_of_validity
 
-        static, impact, temperature = self.outside(sample)
+        static, total, temperature = self.outside(sample)
         static = np.where(self.sampled & self.static_blocked, self.static_pressure, static)
-        total = np.where(self.sampled & self.pitot_blocked, self.total_pressure, static + impact)
+        total = np.where(self.sampled & self.pitot_blocked, self.total_pressure, total)
         blocked = self.static_blocked | self.pitot_blocked
 
         def recorded(name, otherwise):
@@ -126,7 +126,7 @@ class AirDataReplay(replay.face(AirData, "air"), Component):
         self.sampled = self.sampled | new
 
     def outside(self, sample):
-        """Static and impact pressure (Pa) and temperature (K) at the ports, of what was recorded."""
+        """Static and total pressure (Pa) and temperature (K) at the ports, of what was recorded."""
         static = replay.recorded(sample, "static_pressure", atmosphere.pressure(sample["pressure_altitude"]))
         altitude = replay.recorded(sample, "pressure_altitude", atmosphere.pressure_altitude(static))
         standard = atmosphere.temperature(altitude, self.temperature_deviation)
@@ -135,4 +135,4 @@ class AirDataReplay(replay.face(AirData, "air"), Component):
         calibrated_known = sample["calibrated_airspeed_known"] > 0.0
         by_calibrated = air_data.impact_pressure(sample["calibrated_airspeed"])
         impact = replay.recorded(sample, "impact_pressure", np.where(calibrated_known, by_calibrated, by_speed))
-        return static, impact, temperature
+        return static, static + impact, temperature

@@ -18,6 +18,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
     "plot": ("navfmu.cli.plot", "Draw signals of a recording."),
+    "replay": ("navfmu.cli.replay", "Make an FMU from recorded samples of a sensor."),
     "run": ("navfmu.cli.run", "Run a system once."),
     "sabotage": ("navfmu.cli.sabotage", "Build faults into a system, for masters that know no faults."),
     "schema": ("navfmu.cli.schema", "Print the JSON schema of a campaign, fault or report file, for editors."),

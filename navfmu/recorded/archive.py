@@ -25,27 +25,29 @@ def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str
         raise NavfmuError(f"{player}: its table has the columns {have}; expected {rows.shape[1]} of them")
     files = replaced(files, TABLE, dict(zip(labels, rows.T, strict=True)), str(player))
     name = visible(name or Path(imported.source).stem)
-    files |= {DESCRIPTION: _describe(files[DESCRIPTION], imported, name), ACCOUNT: _account(imported, name).encode()}
+    flight = imported.flight
+    text = (
+        f"Recorded flight {visible(Path(imported.source).name)}: {flight.duration / 60.0:.1f} minutes, "
+        f"t = 0 is {flight.start:g} s of the recording"
+    )
+    files[DESCRIPTION] = described(files[DESCRIPTION], name, text, flight.duration)
+    files[ACCOUNT] = _account(imported, name).encode()
     return write_file(out, zipped(files))
 
 
-def _describe(xml: bytes, imported: Imported, name: str) -> bytes:
+def described(xml: bytes, name: str, text: str, duration: float) -> bytes:
+    """Return the description of a player with the name, a sentence about its recording, and how long that lasts, s."""
     from lxml import etree
 
     root = parse(xml, DESCRIPTION)
-    flight = imported.flight
     root.set("modelName", name)
-    root.set(
-        "description",
-        f"Recorded flight {visible(Path(imported.source).name)}: {flight.duration / 60.0:.1f} minutes, "
-        f"t = 0 is {flight.start:g} s of the recording",
-    )
+    root.set("description", text)
     experiment = root.find("DefaultExperiment")
     if experiment is None:
         experiment = etree.Element("DefaultExperiment")
         root.find("ModelVariables").addprevious(experiment)
     experiment.set("startTime", "0")
-    experiment.set("stopTime", repr(float(flight.duration)))
+    experiment.set("stopTime", repr(float(duration)))
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8")
 
 

@@ -1,0 +1,249 @@
+"""What cannot be so: units, axes and signs that were told wrongly make samples that no sensor of an aircraft gives.
+
+Each check takes values in the player's units and axes and yields sentences that begin with the quantity. What they
+compare with is wide enough for raw sensors with their biases, and narrower than the nearest mistake: field strengths
+are 25 to 65 uT on Earth, twice that with hard iron, and 1e-6, 1e-7 or 1e-4 of a number that was taken for tesla.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from navfmu.fmi.units import COMMON, alike
+from navfmu.recorded.replay.samples import Samples
+
+GRAVITY = 9.80665
+REST = (8.5, 11.2)
+"""m/s2: specific force at rest or in steady flight with biases of up to 0.13 g."""
+LEVEL = np.radians(50.0)
+"""From the downward axis to the mean support: an aircraft on its wheels or in flight is more level than that."""
+FIELD = (15e-6, 220e-6)
+FASTEST = 30.0
+"""rad/s: what 99 of 100 samples are below; gyros measure up to 35."""
+TURNED = 1.0
+"""s over which the turn of the specific force is compared with that of the gyros."""
+DEGREE = np.radians(1.0)
+RATES = (("deg/s", DEGREE, 0.3), ("rad/s", 1.0 / DEGREE, 0.1))
+"""Units that may be meant, by how much rates are too large then, and the least angle, rad, by which both differ: by 0.1
+to 0.2 they do in flights, whose accelerations no gyro sees."""
+EARTH = 6.371e6
+"""Radius, m."""
+STRETCH = 5.0
+"""s over which what the velocity carries is compared with the change of position."""
+OUTSIDE = {  # whose medians lie in these bounds, in the player's units
+    "static_pressure": (2e4, 1.1e5),
+    "temperature": (180.0, 340.0),
+    "impact_pressure": (-500.0, 6e4),
+    "calibrated_airspeed": (-10.0, 350.0),
+    "true_airspeed": (-10.0, 350.0),
+    "pressure_altitude": (-1000.0, 20e3),
+    "altitude": (-1000.0, 30e3),
+}
+
+
+def doubts(samples: Samples) -> Iterator[str]:
+    """Yield a sentence for each thing that cannot be so."""
+    good = samples.only(samples.valid)
+    values = {n: v[good.known[n]] if n in good.known else v for n, v in good.values.items() if good.sources[n].columns}
+    values = {name: value for name, value in values.items() if len(value)}
+    if "specific_force" in values:
+        yield from _specific_force(good.time, values["specific_force"])
+    if "rate" in values:
+        yield from _rate(good.time, values["rate"], values.get("specific_force"))
+    if "field_b" in values:
+        yield from _within("field_b", np.linalg.norm(values["field_b"], axis=1), "T", FIELD, "the field of the Earth")
+    for name, bounds in OUTSIDE.items():
+        if name in values:
+            unit = next(q.unit for q in samples.wanted.quantities if q.name == name)
+            yield from _within(name, values[name], unit, bounds, "what aircraft meet")
+    yield from _angles(values)
+    yield from _motion(good.time, values)
+    yield from _air(values, good.known)
+
+
+def _within(name: str, size: np.ndarray, unit: str, bounds: tuple[float, float], what: str) -> Iterator[str]:
+    middle, (low, high) = float(np.median(size)), bounds
+    if low <= middle <= high:
+        return
+    yield (
+        f"{name} is {middle:.4g} {unit} in the middle of the file; {what} is {low:.4g} to {high:.4g} {unit}"
+        + _unit_hint(name, middle, unit, bounds)
+    )
+
+
+def _unit_hint(name: str, value: float, unit: str, bounds: tuple[float, float]) -> str:
+    """Say which units would do, if there are."""
+    low, high = bounds
+    own = COMMON[unit]
+    fit = [n for n in alike(own) if n != unit and low <= value * COMMON[n].factor + COMMON[n].offset <= high]
+    return f". Are the numbers in {' or '.join(fit)}? --unit {name}='{fit[0]}' says so" if fit else ""
+
+
+def quiet(time: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return means (k, 3) of a vector over the quietest tenth of all stretches of a second, at least one."""
+    step = max(round(1.0 / max(np.median(np.diff(time)), 1e-4)), 2) if len(time) > 2 else len(time)
+    count = max(len(time) // step, 1)
+    parts = vector[: count * step].reshape(count, -1, vector.shape[1])
+    spread = parts.std(axis=1).sum(axis=1)
+    return parts.mean(axis=1)[spread <= np.quantile(spread, 0.1)]
+
+
+def _specific_force(time: np.ndarray, force: np.ndarray) -> Iterator[str]:
+    still = quiet(time, force)
+    size = float(np.median(np.linalg.norm(still, axis=1)))
+    if not REST[0] <= size <= REST[1]:
+        yield (
+            f"specific_force is {size:.4g} m/s2 where it is quiet; at rest it is {GRAVITY:.4g}"
+            + _unit_hint("specific_force", size, "m/s2", REST)
+        )
+        return
+    mean = np.median(still, axis=0)
+    if np.arccos(np.clip(-mean[2] / np.linalg.norm(mean), -1.0, 1.0)) > LEVEL:
+        at = int(np.argmax(np.abs(mean)))
+        sign, axis = "+" if mean[at] > 0.0 else "-", "xyz"[at]
+        down = f"-{axis}" if sign == "+" else axis
+        remedy = "--axes x,-y,-z turns them" if at == 2 else f"the third of --axes is {down}"
+        yield (
+            f"specific_force points along {sign}{axis} where it is quiet; at rest the support points up, along -z of "
+            f"axes that point forward, right and down: {remedy}"
+        )
+
+
+def _rate(time: np.ndarray, rate: np.ndarray, force: np.ndarray | None) -> Iterator[str]:
+    fast = float(np.quantile(np.linalg.norm(rate, axis=1), 0.99))
+    if fast > FASTEST:
+        yield f"rate is above {fast:.4g} rad/s in one sample of a hundred; no aircraft turns so fast" + _unit_hint(
+            "rate", fast, "rad/s", (0.0, FASTEST)
+        )
+    elif force is not None and len(time) > 10:
+        as_told = turn_error(time, rate, force)
+        for unit, factor, least in RATES:
+            if as_told > least and turn_error(time, rate * factor, force) < 0.25 * as_told:
+                yield (
+                    f"rate turns the specific force in a second to where it is {np.degrees(as_told):.0f} degrees from "
+                    f"that of the accelerometers. Are the numbers in {unit}? --unit rate='{unit}' says so"
+                )
+
+
+def turn_error(time: np.ndarray, rate: np.ndarray, force: np.ndarray) -> float:
+    """Median angle, rad, between the specific force (mean over a fifth of a second) and that of a second before, turned
+    by the gyros; where stretches without samples are longer than a fifth of a second, nothing is compared."""
+    step = 0.2 * TURNED
+    place = np.floor((time - time[0]) / step).astype(int)
+    count = np.bincount(place)
+    means = [np.bincount(place, column) / np.maximum(count, 1) for column in (*rate.T, *force.T)]
+    omega, support = np.stack(means[:3], axis=1), np.stack(means[3:], axis=1)
+    support = support / np.maximum(np.linalg.norm(support, axis=1, keepdims=True), 1e-9)
+    steps = 5
+    if len(count) <= steps:
+        return 0.0
+    here, whole = support[:-steps], np.ones(len(count) - steps, bool)
+    for i in range(steps):
+        part = slice(i, len(count) - steps + i)
+        here = _turned(here, -step * 0.5 * (omega[part] + omega[slice(part.start + 1, part.stop + 1)]))
+        whole &= (count[part] > 0) & (count[slice(part.start + 1, part.stop + 1)] > 0)
+    angle = np.arccos(np.clip(np.sum(here * support[steps:], axis=1), -1.0, 1.0))
+    return float(np.median(angle[whole])) if whole.any() else 0.0
+
+
+def _turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Rodrigues: vectors (n, 3) turned about axes by angles, both in (n, 3) rad."""
+    size = np.linalg.norm(angle, axis=1, keepdims=True)
+    axis = angle / np.maximum(size, 1e-12)
+    along = np.sum(axis * vector, axis=1, keepdims=True)
+    return vector * np.cos(size) + np.cross(axis, vector) * np.sin(size) + axis * along * (1.0 - np.cos(size))
+
+
+def _angles(values: dict[str, np.ndarray]) -> Iterator[str]:
+    for name, bound in (("latitude", 0.5 * np.pi), ("longitude", 2.0 * np.pi), ("roll", 2.0 * np.pi), ("pitch", 1.6)):
+        if name in values and (largest := float(np.max(np.abs(values[name])))) > bound:
+            yield (
+                f"{name} is as large as {largest:.4g} rad; expected at most {bound:.3g}. Are the numbers in deg? "
+                f"--unit {name}='deg' says so"
+            )
+            return
+    if {"latitude", "longitude"} <= set(values):
+        if np.all(values["latitude"] == 0.0) and np.all(values["longitude"] == 0.0):
+            yield "latitude and longitude are 0 in all rows: the receiver had no fix"
+
+
+def _motion(time: np.ndarray, values: dict[str, np.ndarray]) -> Iterator[str]:
+    """Compare what the velocity carries in some seconds with the change of position: units, order, signs."""
+    if not {"latitude", "longitude", "altitude", "velocity_n"} <= set(values):
+        return
+    latitude, longitude, velocity = values["latitude"], np.unwrap(values["longitude"]), values["velocity_n"]
+    place = EARTH * np.stack([latitude, np.cos(np.mean(latitude)) * longitude, -values["altitude"] / EARTH], axis=1)
+    mean = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time)[:, None]
+    ends = np.unique(np.searchsorted(time, np.arange(time[0], time[-1], STRETCH)))
+    flown, carried = (np.diff(x[ends], axis=0) for x in (place, np.append([[0.0] * 3], np.cumsum(mean, axis=0), 0)))
+    level = _rms(flown[:, :2])
+    if len(flown) < 6 or level < 3.0 * STRETCH:  # too slow to tell it from errors of positions
+        return
+    apart = _rms(flown[:, :2] - carried[:, :2]) / level
+    if apart > 0.5:
+        yield (
+            f"velocity_n carries the receiver elsewhere than its positions go: in {STRETCH:g} s they differ by "
+            f"{100.0 * apart:.0f} % of the way{_motion_hint(flown, carried, level)}"
+        )
+    elif _rms(flown[:, 2]) > 0.5 * STRETCH and _rms(flown[:, 2] + carried[:, 2]) < 0.6 * _rms(
+        flown[:, 2] - carried[:, 2]
+    ):
+        yield (
+            "velocity_n points up where the altitude rises, and its third part is down: "
+            "--axes velocity_n=x,y,-z for north, east, up; velocity_n=y,x,-z for east, north, up"
+        )
+
+
+def _motion_hint(flown: np.ndarray, carried: np.ndarray, level: float) -> str:
+    """Say which order, signs or unit would bring the velocity together with the positions, if any does."""
+    speeds = [(name, COMMON[name].factor) for name in ("m/s", *(n for n in alike(COMMON["m/s"]) if n != "m/s"))]
+    for unit, factor in speeds:
+        for places in itertools.permutations(range(3), 2):
+            for signs in itertools.product((1.0, -1.0), repeat=2):
+                if _rms(flown[:, :2] - factor * carried[:, places] * signs) / level < 0.3:
+                    third = ({0, 1, 2} - set(places)).pop()
+                    axes = [("" if s > 0 else "-") + "xyz"[i] for i, s in zip(places, signs, strict=True)]
+                    told = [f"--axes velocity_n={','.join(axes)},{'xyz'[third]} (or -{'xyz'[third]})"]
+                    told = told if axes != ["x", "y"] else []
+                    told += [f"--unit velocity_n={unit}"] if unit != "m/s" else []
+                    return f"; with {' and '.join(told)} they would agree"
+    return ""
+
+
+def _rms(x: np.ndarray) -> float:
+    return float(np.sqrt(np.sum(x * x) / max(len(x), 1)))
+
+
+def _factor_hint(name: str, factor: float, unit: str) -> str:
+    fit = [n for n in alike(COMMON[unit]) if n != unit and 0.9 < factor * COMMON[n].factor < 1.1]
+    return f". Are the numbers in {fit[0]}? --unit {name}='{fit[0]}' says so" if fit else ""
+
+
+def _air(values: dict[str, np.ndarray], known: dict[str, np.ndarray]) -> Iterator[str]:
+    """Compare what says the same: altitude and static pressure, airspeed and impact pressure."""
+
+    def both(one: str, other: str) -> bool:
+        return one in values and other in values and len(values[one]) == len(values[other])
+
+    if both("static_pressure", "pressure_altitude"):
+        standard = 44330.77 * (1.0 - (np.maximum(values["static_pressure"], 1.0) / 101325.0) ** 0.190263)
+        apart = float(np.median(values["pressure_altitude"] - standard))
+        if abs(apart) > 0.1 * abs(np.median(standard)) + 400.0:
+            scale = float(np.median(values["pressure_altitude"] / np.where(standard == 0.0, 1.0, standard)))
+            yield (
+                f"pressure_altitude is {abs(apart):.0f} m {'above' if apart > 0.0 else 'below'} the standard altitude "
+                "of static_pressure" + _factor_hint("pressure_altitude", scale, "m")
+            )
+    if both("impact_pressure", "calibrated_airspeed"):
+        speed = np.sqrt(2.0 * np.maximum(values["impact_pressure"], 0.0) / 1.225)
+        fast = (speed > 8.0) & (values["calibrated_airspeed"] > 8.0)
+        if np.count_nonzero(fast) > 10:
+            scale = float(np.median(values["calibrated_airspeed"][fast] / speed[fast]))
+            if not 0.7 < scale < 1.4:
+                yield (
+                    f"calibrated_airspeed is {scale:.3g} times that of impact_pressure"
+                    + _factor_hint("calibrated_airspeed", scale, "m/s")
+                )

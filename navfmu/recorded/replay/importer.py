@@ -1,0 +1,119 @@
+"""From a file of recorded samples to an FMU: what the player wants, found in the file, checked, told and written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from navfmu.errors import NavfmuError, visible
+from navfmu.files.archive import zipped
+from navfmu.files.writing import write_file
+from navfmu.fmi import tables
+from navfmu.fmi.fmu import describe
+from navfmu.recorded.archive import ACCOUNT, DESCRIPTION, described
+from navfmu.recorded.replay import account
+from navfmu.recorded.replay.asked import Asked
+from navfmu.recorded.replay.doubts import doubts
+from navfmu.recorded.replay.file import File
+from navfmu.recorded.replay.samples import Samples, silence, take
+from navfmu.recorded.replay.wanted import Wanted, wanted
+
+SUFFIX = "_replay"
+"""Of the names of players: ``imu_replay.fmu`` takes the place of ``imu.fmu``."""
+
+
+@dataclass(frozen=True)
+class Imported:
+    """Samples of each table of a player; None of one for which the file has nothing. ``tick`` s is the player's."""
+
+    source: str
+    player: str
+    wanted: tuple[Wanted, ...]
+    samples: dict[str, Samples | None]
+    tick: float
+    unused: tuple[str, ...]
+
+    @property
+    def streams(self) -> list[Samples]:
+        """The samples of tables that have some."""
+        return [samples for samples in self.samples.values() if samples is not None]
+
+    @property
+    def duration(self) -> float:
+        """When the last sample comes, s."""
+        return max(float(samples.time[-1]) for samples in self.streams)
+
+    def sentences(self) -> list[str]:
+        """What there is to say, for the user."""
+        found = []
+        for table, samples in self.samples.items():
+            named = f"{table}: " if len(self.samples) > 1 else ""
+            told = (
+                ["nothing of it is in the file: silent"] if samples is None else account.sentences(samples, self.tick)
+            )
+            found += [named + sentence for sentence in told]
+        return found + ([f"columns not used: {', '.join(self.unused)}"] if self.unused else [])
+
+    def ranges(self) -> list[tuple[str, str, float, float, float]]:
+        """Rows (quantity, unit, least, middle, largest value)."""
+        return [row for samples in self.streams for row in account.ranges(samples)]
+
+    def write(self, out: str | Path, name: str | None = None) -> Path:
+        """Write the FMU."""
+        files = tables.contents(self.player)
+        for one in self.wanted:
+            samples = self.samples[one.table]
+            rows = silence(one) if samples is None else samples.table()
+            files = tables.replaced(files, one.table, rows, self.player)
+        file = visible(Path(self.source).name)
+        name = visible(name or Path(self.source).stem)
+        sensor = Path(self.player).stem.removesuffix(SUFFIX)
+        count = " and ".join(f"{len(samples)} samples" for samples in self.streams)
+        text = f"Recorded {sensor} {file}: {count} in {self.duration:.1f} s"
+        files[DESCRIPTION] = described(files[DESCRIPTION], name, text, self.duration)
+        files[ACCOUNT] = self._account(name, file).encode()
+        return write_file(out, zipped(files))
+
+    def _account(self, name: str, file: str) -> str:
+        lines = [f"{name}, samples of {file}", "", *self.sentences(), ""]
+        lines.append(f"{'quantity':24} {'unit':7} {'least':>13} {'middle':>13} {'largest':>13}")
+        lines += [f"{what:24} {unit:7} {a:13.6g} {b:13.6g} {c:13.6g}" for what, unit, a, b, c in self.ranges()]
+        return "\n".join(lines) + "\n"
+
+
+def import_samples(file: File, player: str | Path, asked: Asked | None = None) -> Imported:
+    """Find, convert and check the samples that the player of a sensor wants.
+
+    Parameters
+    ----------
+    file : columns of the recording
+    player : the FMU that this package ships for the sensor, ``imu_replay.fmu``
+    asked : what the user says of the file; without it columns are found by their usual names, in the player's units
+    """
+    asked, player = asked or Asked(), str(player)
+    files = tables.contents(player)
+    found = [wanted(name, tables.read(files, name, player), player) for name in tables.known(files)]
+    quantities = [quantity for one in found for quantity in one.quantities]
+    asked.check([q.name for q in quantities], [q.name for q in quantities if q.vector])
+    samples = {one.table: take(file, one, asked) for one in found}
+    if not any(samples.values()):
+        _nothing(file, found)
+    for one in samples.values():
+        for sentence in doubts(one) if one else ():
+            if not asked.unchecked:
+                raise NavfmuError(f"{file.path}: {sentence}. If all is as it should be, --unchecked takes it")
+            one.remarks.append(f"not plausible, and taken: {sentence}")
+    used = {c for one in samples.values() if one for source in one.sources.values() for c in source.columns}
+    used |= {asked.columns[name][0] for name in ("time_of_validity", "valid") if name in asked.columns}
+    used.add(asked.columns.get("time", ("time",))[0])
+    tick = float(describe(player).variable("tick_period", player).start)
+    unused = tuple(name for name in file.names if name not in used)
+    return Imported(file.path, player, tuple(found), samples, tick, unused)
+
+
+def _nothing(file: File, found: list[Wanted]) -> None:
+    wants = "; ".join(", ".join(quantity.name for quantity in one.quantities) for one in found)
+    raise NavfmuError(
+        f"{file.path}: has no column for any of {wants}. Its columns are {', '.join(file.names)}: name some with "
+        "--column, as in --column rate=gyro_x,gyro_y,gyro_z"
+    )

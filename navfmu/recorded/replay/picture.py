@@ -1,0 +1,75 @@
+"""A picture of imported samples: the values over time, how regularly they come, gaps and repeats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from navfmu.files.writing import replacing
+from navfmu.recorded.replay import account
+from navfmu.recorded.replay.importer import Imported
+from navfmu.recorded.replay.samples import Samples
+
+GAPS, REPEATS, INVALID = "C1", "C3", "0.6"
+
+
+def draw(imported: Imported, path: str | Path) -> None:
+    """Write a PNG: a panel for each quantity that was recorded, and one for the intervals of each table."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    panels = [(samples, name) for samples in imported.streams for name in (*_recorded(samples), None)]
+    figure, axes = plt.subplots(len(panels), 1, figsize=(12, 2.4 * len(panels) + 0.6), squeeze=False)
+    for axis, (samples, name) in zip(axes[:, 0], panels, strict=True):
+        if name is None:
+            _intervals(axis, samples, imported.tick)
+        else:
+            _values(axis, samples, name)
+        axis.grid(alpha=0.3)
+        axis.set_xlim(0.0, imported.duration)
+        axis.set_xlabel("t (s)")
+    figure.suptitle(Path(imported.source).name)
+    figure.tight_layout()
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=80)
+    plt.close(figure)
+
+
+def _recorded(samples: Samples) -> list[str]:
+    return [q.name for q in samples.wanted.quantities if q.name in samples.values and samples.sources[q.name].columns]
+
+
+def _values(axis, samples: Samples, name: str) -> None:
+    quantity = next(q for q in samples.wanted.quantities if q.name == name)
+    seen = samples.valid & samples.known.get(name, np.ones(len(samples), bool))
+    values = samples.values[name].reshape(len(samples), -1)
+    for label, column in zip(quantity.labels, values.T, strict=True):
+        axis.plot(samples.time[seen], column[seen], ".", ms=1.5, label=label.partition(" ")[0])
+    _shade(axis, samples)
+    axis.set(title=f"{name}: {', '.join(samples.sources[name].columns)}", ylabel=quantity.unit)
+    axis.legend(loc="upper right", fontsize=8, markerscale=5)
+
+
+def _intervals(axis, samples: Samples, tick: float) -> None:
+    """Time from each sample to the next one; those that repeat the values of the one before in another colour."""
+    interval, repeated = 1e3 * np.diff(samples.time), samples.repeated()
+    places, lost = account.gaps(samples), account.lost(samples, tick)
+    axis.plot(samples.time[1:], interval, ".", ms=1.5, c="C0", label="to the one before")
+    axis.plot(samples.time[1:][repeated[1:]], interval[repeated[1:]], ".", ms=3, c=REPEATS, label="repeats its values")
+    axis.axhline(1e3 * tick, c="k", lw=0.7, ls=":", label="a tick of the FMU")
+    _shade(axis, samples)
+    found = f"{len(places)} gaps (shaded), {int(repeated.sum())} repeats, {lost} lost in ticks of {1e3 * tick:g} ms"
+    if np.all(interval > 0.0) and len(interval):
+        axis.set_yscale("log")
+    axis.set(title=f"{len(samples)} samples: {found}", ylabel="ms")
+    axis.legend(loc="upper right", fontsize=8, markerscale=5)
+
+
+def _shade(axis, samples: Samples) -> None:
+    for place in account.gaps(samples):
+        axis.axvspan(samples.time[place], samples.time[place + 1], color=GAPS, alpha=0.3, lw=0.0)
+    for time in samples.time[~samples.valid][:2000]:
+        axis.axvline(time, color=INVALID, lw=0.3, zorder=0)

@@ -1,0 +1,304 @@
+"""What is said of a file of samples: each mistake is a sentence that names it, and what is taken is told."""
+
+from __future__ import annotations
+
+import re
+
+import fmpy
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from navfmu.cli.main import main
+from navfmu.errors import NavfmuError
+from navfmu.recorded.replay.asked import Asked
+from navfmu.recorded.replay.doubts import turn_error
+from navfmu.recorded.replay.file import of, read
+from navfmu.recorded.replay.importer import import_samples
+from tests import built
+from tests.recorded import samples
+
+TIME = samples.stamps(3000, 0.015, 0.025)
+SLOW = samples.stamps(200, 0.9, 1.1)
+
+
+@pytest.fixture(scope="module")
+def player(tmp_path_factory):
+    return lambda sensor: built.fmu(f"{sensor}_replay", tmp_path_factory)
+
+
+@pytest.fixture
+def take(player):
+    def take(sensor, frame, **asked):
+        return import_samples(of("made.csv", frame, 2), player(sensor), Asked(**asked))
+
+    return take
+
+
+def renamed(frame, **columns):
+    return frame.rename(columns=columns)
+
+
+def scaled(frame, factor, *columns):
+    return frame.assign(**{c: frame[c] * factor for c in columns})
+
+
+RATE, FORCE = [[f"{n}_{a}" for a in "xyz"] for n in ("rate", "specific_force")]
+FIELD = [f"field_{a}" for a in "xyz"]
+VELOCITY = [f"velocity_{a}" for a in ("north", "east", "down")]
+IMU, MAG, GPS, AIR = samples.imu(TIME), samples.field(TIME), samples.fixes(SLOW), samples.air(TIME)
+BACK = IMU.copy()
+BACK.loc[100, "time"] = BACK.loc[98, "time"] - 0.001
+HOLE = IMU.copy()
+HOLE.loc[41, "rate_y"] = np.nan
+FAR = IMU.assign(time=IMU["time"] + 1e6)
+PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
+
+
+@pytest.mark.parametrize(
+    ("sensor", "frame", "asked", "sentence"),
+    [
+        # units
+        (
+            "imu",
+            scaled(IMU, 1 / 9.80665, *FORCE),
+            {},
+            r"specific_force is (1\.0|0\.99)\d* m/s2 .*in g\? --unit specific_force='g'",
+        ),
+        ("imu", scaled(IMU, 1e3 / 9.80665, *FORCE), {}, r"specific_force is (1\d|9)\d\d.* .*in mg\?"),
+        ("imu", scaled(IMU, 180 / np.pi, *RATE), {}, r"rate turns the specific force .*in deg/s\?"),
+        ("imu", IMU, {"units": {"rate": "deg/s"}}, r"rate turns the specific force .*in rad/s\?"),
+        ("imu", scaled(IMU, 1e4, *RATE), {}, r"rate is above \d+ rad/s in one sample of a hundred"),
+        ("imu", IMU, {"units": {"rate": "degs/s"}}, r"unit 'degs/s' is not known here; .*did you mean 'deg/s'\?"),
+        ("imu", IMU, {"units": {"rate": "m/s2"}}, r"rate: 'm/s2' cannot be converted to 'rad/s'"),
+        ("imu", IMU, {"units": {"rate": "0 deg/s"}}, r"the unit '0 deg/s' has the factor 0"),
+        ("magnetometer", scaled(MAG, 1e6, *FIELD), {}, r"field_b is 48\.?\d* T .*in uT\? --unit field_b='uT'"),
+        ("magnetometer", scaled(MAG, 1e7, *FIELD), {}, r"field_b is 48\d T .*in mG\?"),
+        (
+            "magnetometer",
+            scaled(MAG, 1e7, *FIELD),
+            {"units": {"field_b": "uT"}},
+            r"field_b is 0\.00048 T .*in mG\?|to 0",
+        ),
+        (
+            "gps",
+            scaled(GPS, 180 / np.pi, "latitude", "longitude"),
+            {},
+            r"latitude is as large as 37\.\d* rad.*in deg\?",
+        ),
+        ("gps", scaled(GPS, 3600 / 1852, *VELOCITY), {}, r"velocity_n carries .*--unit velocity_n=kn they would agree"),
+        (
+            "air_data",
+            scaled(AIR, 0.01, "pressure_altitude").assign(static_pressure=PRESSURE / 100),
+            {},
+            r"static_pressure is 8\d\d\.?\d* Pa .*in hPa\?",
+        ),
+        ("air_data", AIR.assign(temperature=5.0), {}, r"temperature is 5 K .*in degC\?"),
+        (
+            "air_data",
+            scaled(AIR, 1 / 0.3048, "pressure_altitude").assign(static_pressure=PRESSURE),
+            {},
+            r"pressure_altitude is \d+ m above .*in ft\?",
+        ),
+        (
+            "air_data",
+            scaled(AIR, 3600 / 1852, "calibrated_airspeed").assign(impact_pressure=0.6125 * 46.3**2),
+            {},
+            r"calibrated_airspeed is 1\.9\d times .*in kn\?",
+        ),
+        # axes
+        ("imu", IMU, {"axes": {"": ("x", "-y", "-z")}}, r"specific_force points along \+z .*--axes x,-y,-z turns them"),
+        ("imu", IMU, {"axes": {"": ("z", "x", "y")}}, r"specific_force points along -x .*the third of --axes is x"),
+        ("imu", IMU, {"axes": {"": ("y", "x", "z")}}, r"y,x,z is a mirror image, no turn"),
+        ("imu", IMU, {"axes": {"": ("x", "y", "y")}}, r"x,y,y are no three axes"),
+        ("imu", IMU, {"axes": {"": ("x", "y")}}, r"x,y are no three axes"),
+        (
+            "imu",
+            IMU,
+            {"axes": {"rat": ("x", "y", "z")}},
+            r"--axes rat: there is no such quantity; .*did you mean 'rate'\?",
+        ),
+        ("imu", IMU, {"axes": {"": ("x", "up", "z")}}, r"'up' is no axis; expected x, y or z"),
+        ("gps", GPS, {"axes": {"velocity_n": ("y", "x", "z")}}, r"velocity_n carries .*with --axes velocity_n=y,x,z"),
+        ("gps", GPS, {"axes": {"velocity_n": ("x", "y", "-z")}}, r"velocity_n points up where the altitude rises"),
+        # numbers
+        ("imu", HOLE, {}, r"made.csv, line 43: rate is empty or no number \(in 1 row"),
+        ("imu", IMU.assign(rate_x=["0.1"] * 7 + ["n/a"] + ["0.1"] * 2992), {}, r"made.csv, line 9: 'rate_x' is 'n/a'"),
+        ("imu", IMU.assign(rate_x=np.where(TIME > 1.0, np.inf, 0.0)), {}, r"rate is empty or no number"),
+        ("imu", IMU.assign(rate_x=np.nan), {"incomplete": "invalid"}, r"no row is complete and valid"),
+        # time
+        ("imu", BACK, {}, r"made.csv, line 102: the time goes back, from \d+\.\d+ s to"),
+        ("imu", IMU.assign(time=np.where(TIME > 1.0, np.nan, TIME)), {}, r"line \d+: 'time' is nan; expected a time"),
+        ("imu", FAR, {}, r"the first time is 1000000\.01 s, .*pass --start 1000000\.01"),
+        ("imu", IMU, {"start": 1e3}, r"no sample is left; see --start"),
+        ("imu", IMU, {"age": -1.0}, r"--age is -1 s: a sample cannot hold for a time to come"),
+        ("imu", IMU.assign(made=TIME + 1.0), {"columns": {"time_of_validity": ("made",)}}, r"after the time at which"),
+        # columns
+        (
+            "imu",
+            IMU.drop(columns="rate_y"),
+            {},
+            r"no column for rate: rate_y\. Its columns are time, rate_x",
+        ),
+        ("imu", renamed(IMU, time="t_s"), {}, r"there is no column 'time'.*name it with --column time="),
+        ("imu", IMU, {"columns": {"rate": ("gyro_x", "rate_y", "rate_z")}}, r"has no column 'gyro_x'"),
+        (
+            "imu",
+            IMU,
+            {"columns": {"rate": ("rate_x", "rat_y", "rate_z")}},
+            r"no column 'rat_y' .*did you mean 'rate_y'\?",
+        ),
+        ("imu", IMU, {"columns": {"rate": ("rate_x", "rate_x", "rate_z")}}, r"a column is named twice"),
+        ("imu", IMU, {"columns": {"rate": ("rate_x",)}}, r"1 column\(s\) are named, rate_x; expected 3"),
+        ("imu", IMU, {"columns": {"rates": ("rate_x",)}}, r"there is no such quantity; .*did you mean 'rate'\?"),
+        ("imu", renamed(IMU, rate_y="rate_x"), {}, r"has two columns 'rate_x'"),
+        ("imu", IMU[:0], {}, r"made.csv: has no rows"),
+        ("imu", MAG, {}, r"has no column for any of rate, specific_force"),
+        (
+            "air_data",
+            AIR.drop(columns="calibrated_airspeed"),
+            {},
+            r"no column for impact_pressure or calibrated_airspeed or true",
+        ),
+        (
+            "air_data",
+            renamed(AIR, calibrated_airspeed="indicated_airspeed"),
+            {},
+            r"did you mean 'indicated_airspeed'\?",
+        ),
+        ("imu", IMU, {"values": {"rate": ("1", "2")}}, r"--value rate: 2 numbers are given; expected 3"),
+        ("imu", IMU, {"add": {"rate": ("fast",)}}, r"--add rate: 'fast' is no number"),
+        ("gps", GPS.assign(latitude=0.0, longitude=0.0), {}, r"latitude and longitude are 0 in all rows"),
+    ],
+)
+def test_a_mistake_is_a_sentence(sensor, frame, asked, sentence, take):
+    """Each would otherwise be an FMU that plays plausible nonsense, or a traceback."""
+    with pytest.raises(NavfmuError) as told:
+        take(sensor, frame, **asked)
+    assert re.search(sentence, str(told.value)), str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def columns(imported, table="samples"):
+    found = imported.samples[table].table()
+    return {name.partition(" ")[0]: column for name, column in found.items()}
+
+
+def test_units_axes_and_names_lead_to_the_same_samples(take):
+    """A log in g, deg/s and ms with axes forward, left, up and names of its own is the same recording."""
+    plain = columns(take("imu", IMU))
+    other = pd.DataFrame({"stamp (ms)": IMU["time"] * 1e3})
+    for name, unit, columns_ in (("gyr", np.pi / 180, RATE), ("acc", 9.80665, FORCE)):
+        for axis, column, sign in zip("abc", columns_, (1, -1, -1), strict=True):
+            other[f"{name}_{axis}"] = sign * IMU[column] / unit
+    asked = {
+        "columns": {
+            "time": ("stamp",),
+            "rate": ("gyr_a", "gyr_b", "gyr_c"),
+            "specific_force": ("acc_a", "acc_b", "acc_c"),
+        },
+        "units": {"rate": "deg/s", "specific_force": "g"},
+        "axes": {"": ("x", "-y", "-z")},
+    }
+    told = columns(take("imu", other, **asked))
+    assert set(told) == set(plain)
+    for name, column in plain.items():
+        np.testing.assert_allclose(told[name], column, rtol=1e-12, atol=1e-15, err_msg=name)
+
+
+def test_a_unit_may_have_a_factor_and_an_offset(take):
+    mavlink = GPS.assign(latitude=np.degrees(GPS["latitude"]) * 1e7, altitude=GPS["altitude"] * 1e3)
+    told = columns(take("gps", mavlink, units={"latitude": "1e-7 deg", "altitude": "mm"}), "fixes")
+    np.testing.assert_allclose(told["latitude"], GPS["latitude"], rtol=1e-12)
+    np.testing.assert_allclose(told["altitude"], GPS["altitude"], rtol=1e-12)
+    warm = columns(take("air_data", AIR.assign(temperature=15.0), units={"temperature": "degC"}))
+    np.testing.assert_allclose(warm["temperature"], 288.15, rtol=1e-12)
+
+
+def test_what_is_added_and_what_is_given(take):
+    told = columns(take("gps", GPS.drop(columns="altitude"), values={"altitude": ("1000 ft",)}), "fixes")
+    np.testing.assert_allclose(told["altitude"], 304.8, rtol=1e-12)
+    told = columns(take("gps", GPS, add={"altitude": ("-32.2",)}), "fixes")
+    np.testing.assert_allclose(told["altitude"], GPS["altitude"] - 32.2, rtol=1e-12)
+    level = take("gps", GPS, columns={"velocity_n": ("velocity_north", "velocity_east", "0")})
+    assert not columns(level, "fixes")["velocity_n[3]"].any()
+
+
+def test_incomplete_rows_are_samples_that_are_not_valid(take):
+    told = columns(take("imu", HOLE, incomplete="invalid"))
+    assert len(told["time"]) == len(HOLE) and told["valid"].sum() == len(HOLE) - 1 and told["valid"][41] == 0.0
+    assert told["rate[2]"][41] == HOLE["rate_y"][40] and told["rate[1]"][41] == HOLE["rate_x"][40]
+    assert told["rate[2]"][42] == HOLE["rate_y"][42]
+
+
+def test_begins_where_it_is_told_and_says_what_is_left_out(take):
+    imported = take("imu", IMU, start=10.0)
+    told = columns(imported)
+    np.testing.assert_allclose(told["time"], TIME[TIME >= 10.0] - 10.0, rtol=0.0, atol=1e-12)
+    assert told["sequence"][0] == 1.0 and told["rate[1]"][0] == IMU["rate_x"][TIME >= 10.0].iloc[0]
+    assert f"{np.sum(TIME < 10.0)} sample(s) before t = 0 are left out" in imported.sentences()
+
+
+def test_gaps_repeats_and_equal_times_are_told(take):
+    """Counts against what was put in by hand."""
+    frame = IMU.drop(index=range(1000, 1030)).reset_index(drop=True)
+    frame.loc[501:504, RATE + FORCE] = frame.loc[500, RATE + FORCE].to_numpy()
+    frame.loc[2000, "time"] = frame.loc[2001, "time"]
+    imported = take("imu", frame)
+    told = " / ".join(imported.sentences())
+    lasts = frame["time"][1000] - frame["time"][999]
+    assert f"1 gap(s) of more than 2.5 usual intervals; the longest lasts {lasts:.3g} s" in told
+    assert "4 sample(s) repeat the values of the one before, up to 4 in a row" in told
+    assert "1 sample(s) have the time of the next one; they are lost" in told
+    numbers = columns(imported)["sequence"]
+    assert len(numbers) == len(frame) - 1 and 2001.0 not in numbers and numbers[-1] == len(frame)
+    changes = columns(take("imu", frame, changes_only=True))
+    assert len(changes["time"]) == len(frame) - 5
+
+
+def test_what_is_not_plausible_is_taken_when_told_so(take):
+    imported = take("imu", scaled(IMU, 2.0, *FORCE), unchecked=True)
+    assert any(s.startswith("not plausible, and taken: specific_force is 19.") for s in imported.sentences())
+
+
+@pytest.mark.parametrize(
+    ("factor", "least", "most"), [(1.0, 0.0, 0.02), (180 / np.pi, 0.5, np.pi), (np.pi / 180, 0.1, 0.5)]
+)
+def test_the_specific_force_turns_as_the_gyros_say(factor, least, most):
+    """Of a made recording that pitches and rolls: right, in deg/s taken for rad/s, and the other way."""
+    assert least <= turn_error(TIME, factor * IMU[RATE].to_numpy(), IMU[FORCE].to_numpy()) <= most
+
+
+def test_the_command_writes_the_fmu_from_csv_and_parquet_and_tells(player, tmp_path, monkeypatch):
+    monkeypatch.setattr("navfmu.system.shipped.path", lambda name: player(name.removesuffix("_replay.fmu")))
+    names = ["imu_replay.fmu", "gps_replay.fmu", "imu.fmu"]
+    monkeypatch.setattr("navfmu.system.shipped.names", lambda suffix="": names)
+    IMU.to_csv(tmp_path / "thor.csv", index=False)
+    IMU.to_parquet(tmp_path / "thor.parquet")
+    for kind in ("csv", "parquet"):
+        out = tmp_path / f"{kind}.fmu"
+        arguments = ["replay", "imu", str(tmp_path / f"thor.{kind}"), "--out", str(out), "--picture", str(out) + ".png"]
+        outcome = CliRunner().invoke(main, arguments, catch_exceptions=False)
+        assert outcome.exit_code == 0, outcome.output
+        assert "3000 samples from t = 0.012 s" in outcome.output and "wrote" in outcome.output
+        description = fmpy.read_model_description(str(out))
+        assert description.modelName == "thor" and f"thor.{kind}" in description.description
+        assert float(description.defaultExperiment.stopTime) == TIME[-1]
+        assert (tmp_path / f"{kind}.fmu.png").read_bytes().startswith(b"\x89PNG")
+    wrong = CliRunner().invoke(main, ["replay", "imus", "x.csv", "--out", str(tmp_path / "x.fmu")])
+    assert wrong.exit_code == 2 and "there is no sensor 'imus'; expected imu, gps; did you mean 'imu'?" in wrong.output
+
+
+def test_files_that_are_none(tmp_path):
+    for name, content, sentence in (
+        ("a.parquet", b"PAR", "this is no Parquet file"),
+        ("a.csv", b"", "this is no CSV table with a header line"),
+        ("b.csv", b"time,rate_x\n", "has no rows"),
+        ("a.mat", b"", "cannot tell the format from the name"),
+    ):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(NavfmuError, match=sentence):
+            read(tmp_path / name)
+    with pytest.raises(NavfmuError, match="no such file; expected recorded samples"):
+        read(tmp_path / "none.csv")
