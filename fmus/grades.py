@@ -30,6 +30,9 @@ Thesis Fig 3.27 has 4 to 7 mG left on each axis, Table 3.3 noise of 1 to 5 mG. T
 soft iron and scale factors of 0.5 % are 2 to 3 mG each in Earth's field. Mounting as the other sensors'.
 """
 
+AZIMUTH: dict[str, float] = {"drift_sigma": 2.5 * DEG, "drift_time": 120.0, "noise_sigma": 3.5 * DEG}
+"""Parameters of ``azimuth_detector``: thesis (3.84), (3.85), Fig 3.29 (at 20 Hz)."""
+
 AIR_DATA: dict[str, float] = {
     "airspeed_error_sigma": 2.6,
     "altitude_error_sigma": 23.0,

@@ -15,6 +15,7 @@ NORTH = {"velocity_n": (46.3, 0.0, 0.0)}
 NOISY = {
     "air_data": ({**NORTH, "altitude": 1500.0}, ["air.calibrated_airspeed", "air.pressure_altitude"], 0.1),
     "aircraft": ({}, ["specific_force[2]"], 0.1),
+    "azimuth_detector": (HERE, ["azimuth.magnetic_heading"], 0.05),
     "dme": ({**HERE, **NORTH, "mode": 1}, ["ranging.slant_range[1]"], 1.0),
     "gps": (HERE, ["fix.altitude", "fix.velocity_n[1]", "attitude.roll"], 1.0),
     "imu": ({}, [f"reading.{what}[{i}]" for what in ("rate", "specific_force") for i in (1, 2, 3)], 0.01),
