@@ -6,7 +6,7 @@ for each decade of correlation times tau_i = tau_0 10^i, all of variance s^2, ha
 
     sum 2 s^2 tau_i / (1 + (2 pi f tau_i)^2)  ~  s^2 / (2 f ln 10)  =  B^2 / (2 pi f),   s^2 = B^2 ln 10 / pi
 
-as the mean over a decade of f. With the DECADES of this module the Allan deviation is within 1.4 % of 0.664 B for
+as the mean over a decade of f. With the DECADES of this module the Allan deviation is within 1.5 % of 0.664 B for
 averaging times from 18 tau_0 to 1800 tau_0, within 7 % from 3 tau_0 to 10^4 tau_0, and falls beyond.
 """
 
