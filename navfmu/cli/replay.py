@@ -69,10 +69,11 @@ def command(sensor, file, out, name, picture, columns, units, axes, add, values,
 
 
 def _read(file, sensor):
-    """The columns of a file."""
-    from navfmu.recorded.replay.file import read
+    """The columns of a file, of a log of PX4 those of the sensor."""
+    from navfmu.recorded.replay import file as tables
+    from navfmu.recorded.replay import px4
 
-    return read(file)
+    return px4.read(file, sensor) if file.lower().endswith(".ulg") else tables.read(file)
 
 
 def _print(imported, out, picture) -> None:

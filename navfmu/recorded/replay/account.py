@@ -9,15 +9,16 @@ import numpy as np
 from navfmu.recorded.replay.doubts import quiet
 from navfmu.recorded.replay.samples import Samples
 
-GAP = 2.5
-"""Usual intervals that are a gap: one sample at least is missing."""
-
 
 def gaps(samples: Samples) -> np.ndarray:
     """Return the places of samples that are followed by a gap."""
+    return np.flatnonzero(np.diff(samples.time) > longest_usual(samples))
+
+
+def longest_usual(samples: Samples) -> float:
+    """Interval above which it is a gap, s: a sample is missing by the middle one, and 19 of 20 are much shorter."""
     interval = np.diff(samples.time)
-    usual = usual_interval(samples)
-    return np.flatnonzero(interval > GAP * usual) if usual > 0.0 else np.zeros(0, int)
+    return max(1.9 * usual_interval(samples), 1.5 * float(np.quantile(interval, 0.95))) if len(interval) else 0.0
 
 
 def usual_interval(samples: Samples) -> float:
@@ -53,8 +54,8 @@ def sentences(samples: Samples, tick: float) -> Iterator[str]:
     if len(places := gaps(samples)):
         longest = places[np.argmax(interval[places])]
         yield (
-            f"{len(places)} gap(s) of more than {GAP:g} usual intervals; the longest lasts {interval[longest]:.3g} s "
-            f"from {samples.time[longest]:.3f} s"
+            f"{len(places)} gap(s) of more than {longest_usual(samples):.3g} s; the longest lasts "
+            f"{interval[longest]:.3g} s from {samples.time[longest]:.3f} s"
         )
     if samples.repeats:
         yield f"{samples.repeats} sample(s) that repeat the one before are left out"

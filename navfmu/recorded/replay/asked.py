@@ -58,6 +58,9 @@ class Asked:
                     raise NavfmuError(
                         f"{option} {name}: there is no such quantity; expected {have}{nearest(name, right)}"
                     )
+        for name in times:
+            if len(self.columns.get(name, ("one",))) != 1:
+                raise NavfmuError(f"--column {name}: {len(self.columns[name])} columns are named; expected one")
         for name, axes in self.axes.items():
             turn(axes, f"--axes {name}".strip())
         for option, value in (("--start", self.start), ("--age", self.age)):

@@ -104,8 +104,7 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
                 raise NavfmuError(f"{file.path}: {sentence}. If all is as it should be, --unchecked takes it")
             one.remarks.append(f"not plausible, and taken: {sentence}")
     used = {c for one in samples.values() if one for source in one.sources.values() for c in source.columns}
-    used |= {asked.columns[name][0] for name in ("time_of_validity", "valid") if name in asked.columns}
-    used.add(asked.columns.get("time", ("time",))[0])
+    used |= {asked.columns.get(name, (name,))[0] for name in ("time", "time_of_validity", "valid")}
     tick = float(describe(player).variable("tick_period", player).start)
     unused = tuple(name for name in file.names if name not in used)
     return Imported(file.path, player, tuple(found), samples, tick, unused)

@@ -62,8 +62,7 @@ def _intervals(axis, samples: Samples, tick: float) -> None:
     axis.axhline(1e3 * tick, c="k", lw=0.7, ls=":", label="a tick of the FMU")
     _shade(axis, samples)
     found = f"{len(places)} gaps (shaded), {int(repeated.sum())} repeats, {lost} lost in ticks of {1e3 * tick:g} ms"
-    if np.all(interval > 0.0) and len(interval):
-        axis.set_yscale("log")
+    axis.set_ylim(bottom=0.0)
     axis.set(title=f"{len(samples)} samples: {found}", ylabel="ms")
     axis.legend(loc="upper right", fontsize=8, markerscale=5)
 

@@ -211,7 +211,7 @@ def _check_found(file: File, wanted: Wanted, asked: Asked, found: dict[str, tupl
 
 def _times(file: File, asked: Asked) -> tuple[np.ndarray, np.ndarray]:
     """Return when samples come and what time they hold for, s from --start on; it must not go back."""
-    column = asked.columns.get("time", ("time",))[0]
+    (column,) = asked.columns.get("time", ("time",))
     if column not in file.names and "time" not in asked.columns:
         raise NavfmuError(
             f"{file.path}: there is no column 'time'{nearest('time', file.names) or '.'} Its columns are "
@@ -230,10 +230,10 @@ def _times(file: File, asked: Asked) -> tuple[np.ndarray, np.ndarray]:
             f"{file.path}: the first time is {time[0]:.9g} s, so for longer than it lasts nothing would come; pass "
             f"--start {time[0]:.9g} to begin with it, the same for all sensors of a recording (or --start 0)"
         )
-    validity = asked.columns.get("time_of_validity")
-    if validity is None:
+    (column,) = asked.columns.get("time_of_validity", ("time_of_validity",))
+    if column not in file.names and "time_of_validity" not in asked.columns:
         return time - _start(asked), time - _start(asked) - asked.age
-    validity = _time(file, "time_of_validity", validity[0], asked)
+    validity = _time(file, "time_of_validity", column, asked)
     late = validity > time
     if late.any() and not asked.unchecked:
         at = int(np.argmax(late))
@@ -255,9 +255,9 @@ def _time(file: File, name: str, column: str, asked: Asked) -> np.ndarray:
 
 
 def _valid(file: File, asked: Asked) -> np.ndarray:
-    if "valid" not in asked.columns:
+    (column,) = asked.columns.get("valid", ("valid",))
+    if column not in file.names and "valid" not in asked.columns:
         return np.ones(len(file.frame), bool)
-    column = asked.columns["valid"][0]
     _check_column(file, column, f"--column valid={column}")
     numbers = file.numbers(column)
     return np.isfinite(numbers) & (numbers != 0.0)
