@@ -109,11 +109,9 @@ INERTIAL: dict[str, ParameterSet] = {
         {**AUTOMOTIVE, "gyro_drift_time": 1000.0},
     ),
     "horizon_warming": ParameterSet(
-        "The same with the 0.01 deg/s of p. 46 and Fig C.4, and with the transient of Fig 3.5: a null shift of 0.12 "
-        "deg/s "
-        "that dies out with 1 h (about 3 h to the end, p. 45), such that drift and transient together have the 0.05 "
-        "deg/s "
-        "of Table 3.1 over these 3 h. The figure's own size is not in the text.",
+        "Systron Donner Horizon with the stochastic 0.01 deg/s of thesis p. 46 and Fig C.4, and with the transient of "
+        "Fig 3.5: a null shift of 0.12 deg/s that dies out with 1 h (about 3 h to the end, p. 45), such that drift and "
+        "transient together have the 0.05 deg/s of Table 3.1 over these 3 h. The figure's own size is not in the text.",
         {
             **AUTOMOTIVE,
             "gyro_drift_sigma": 0.01 * DEG,
