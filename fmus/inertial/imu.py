@@ -54,6 +54,13 @@ class Imu(
       walk (`walk_sigma`), both advanced every wander_period;
     - `range`; `resolution` and `latency` of the reading, which leaves later with the time at which it was taken.
 
+    `lever_arm` says where the accelerometers are: w' x r + w x (w x r) more, w' from the last three rates, wrong by
+    (2 pi f T)^2 / 3. While `vibrating`, the unit swings and is shaken by the vibration_ parameters at the samples.
+
+    The bundle `increment` is what has been sensed in `increment_samples` samples: trapezoids, plus T b_w, in whole
+    quanta if there are any; with coning and sculling of order 2 `coning_samples` (RTO MP-43 (1999), Mark and Tazartes,
+    (A-54)). Velocity is the sum in body axes as they turned, not turned to those of the beginning.
+
     The sensors follow the temperature around them, with `thermal_time`, and become warmer by `self_heating` after
     turn-on, thesis Fig 3.5. Their errors are those of `calibration_temperature` there.
 

@@ -18,7 +18,7 @@ class RingLaser(Component):
     (K = wavelength L / 4 A; 1.99 for its 34.5 cm and 0.63 um). Scattered light pulls the phase towards a value of its
     own, so a ring that turns slower than the lock-in rate shows nothing: 300 deg/h as in RTO MP-43 (1999), Loukianov,
     Fig 5. Dither takes it through that zone 800 times in a second; what is left is a random walk of the angle,
-    w_L sqrt(K / (2 pi w_D)), 0.0046 deg per root hour with the start values, where AGARD CP-298 has measured 0.0011 to
+    w_L sqrt(K / (2 pi w_D)), 0.0047 deg per root hour with the start values, where AGARD CP-298 has measured 0.0011 to
     0.0050. The dither's peak rate w_D of 100 deg/s is some 30 g at the mirrors of a ring of 60 cm, Loukianov's figure,
     at 400 Hz. The motion of the dither itself is taken out of the pulses, as the gyros' own electronics do.
 
