@@ -11,7 +11,7 @@ from navfmu import System
 from navfmu.system import shipped
 
 SAMPLES = 100_000
-SENSORS = {"imu": 0.01, "magnetometer": 0.02, "air_data": 0.1, "wind": 0.1}
+SENSORS = {"imu": 0.01, "magnetometer": 0.05, "azimuth_detector": 0.05, "air_data": 0.1, "wind": 0.1}
 """Step of the master, s: one sample each."""
 WORK = (
     "The loop makes the FMI call and reads the outputs; the engine also checks the status. The inputs do not change: "
