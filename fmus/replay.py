@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from navfmu.export import Bundle, Input, Parameter
+from navfmu.export import Bundle, Input, Output, Parameter
 
 TIMES = (("time", "s"), ("time_of_validity", "s"), ("sequence", "1"), ("valid", "1"))
 """Columns that every table of samples begins with."""
@@ -20,13 +20,20 @@ ROUNDING = 1e-6
 """Of a tick: a sample that is late by less is not late; times of recordings are decimal."""
 
 
-def face(component: type, *bundles: str) -> type:
-    """Return a base class with some bundles of a component, and with its inputs but for those of faults."""
+def face(component: type) -> type:
+    """Return a base class with the bundles of outputs of a component, its other outputs, and its inputs but for those
+    of faults. What is not in a bundle does nothing: the descriptions say so."""
+    bundles = {name: item for name, item in component.layout.bundles.items() if item.causality == "output"}
     members = {name: getattr(component, name, None) for name in component.layout.fields}
-    inputs = {name: copy.copy(item) for name, item in members.items() if isinstance(item, Input) and not item.fault}
-    for item in inputs.values():
-        item.description = f"without effect: {item.description}"
-    return type(f"Face{component.__name__}", (), {**inputs, **{name: getattr(component, name) for name in bundles}})
+    others = {name: copy.copy(item) for name, item in members.items() if isinstance(item, Output) or _is_truth(item)}
+    for item in others.values():
+        words = "without effect" if isinstance(item, Input) else "not recorded, stays as it starts"
+        item.description = f"{words}: {item.description}"
+    return type(f"Face{component.__name__}", (), {**others, **bundles})
+
+
+def _is_truth(item: Any) -> bool:
+    return isinstance(item, Input) and not item.fault
 
 
 def columns(bundle: Bundle, **others: str) -> tuple[tuple[str, str], ...]:

@@ -21,7 +21,7 @@ _EXAMPLE = replay.made(
 )
 
 
-class AirDataReplay(replay.face(AirData, "air"), Component):
+class AirDataReplay(replay.face(AirData), Component):
     """Recorded air data, in the place of air_data: what was not recorded is worked out from what was.
 
     The table resources/samples.npy holds samples: the time at which one comes, the time that its values hold for, its

@@ -20,7 +20,7 @@ _EXAMPLE = replay.made(
 )
 
 
-class MagnetometerReplay(replay.face(Magnetometer, "field"), Component):
+class MagnetometerReplay(replay.face(Magnetometer), Component):
     """Recorded samples of a magnetometer triad, in the place of magnetometer.
 
     The table resources/samples.npy holds samples: the time at which one comes, the time that its values hold for, its

@@ -24,7 +24,7 @@ _EXAMPLE = replay.made(
 )
 
 
-class GpsReplay(replay.face(Gps, "fix", "attitude"), Component):
+class GpsReplay(replay.face(Gps), Component):
     """Recorded fixes and attitudes of a GPS receiver, in the place of gps.
 
     The tables resources/fixes.npy and attitudes.npy hold samples: the time at which one comes, the time that its values

@@ -55,8 +55,9 @@ def player(tmp_path_factory):
     return lambda sensor: built.fmu(f"{sensor}_replay", tmp_path_factory)
 
 
-def table(imported, name="samples"):
-    return {key.partition(" ")[0]: column for key, column in imported.samples[name].table().items()}
+def table(imported):
+    (samples,) = imported.streams
+    return {key.partition(" ")[0]: column for key, column in samples.table().items()}
 
 
 def test_inertial_samples_come_back(player, tmp_path):
@@ -92,7 +93,7 @@ def test_field_fixes_and_air_data_come_back_in_si_units(player, tmp_path):
     )
     told = table(import_samples(px4.read(path, "magnetometer"), player("magnetometer")))
     np.testing.assert_allclose(told["field_b[1]"], field["field_x"], rtol=1e-6)
-    told = table(import_samples(px4.read(path, "gps"), player("gps")), "fixes")
+    told = table(import_samples(px4.read(path, "gps"), player("gps")))
     np.testing.assert_allclose(told["latitude"][2:], fixes["latitude"][2:], rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(told["altitude"][2:], fixes["altitude"][2:], rtol=0.0, atol=1e-3)
     np.testing.assert_array_equal(told["valid"], seconds >= 3.0)

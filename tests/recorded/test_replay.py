@@ -154,7 +154,7 @@ PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
         ("imu", IMU, {"columns": {"rates": ("rate_x",)}}, r"there is no such quantity; .*did you mean 'rate'\?"),
         ("imu", renamed(IMU, rate_y="rate_x"), {}, r"has two columns 'rate_x'"),
         ("imu", IMU[:0], {}, r"made.csv: has no rows"),
-        ("imu", MAG, {}, r"has no column for any of rate, specific_force"),
+        ("imu", MAG, {}, r"has no column for any of angle, velocity, interval; rate, specific_force"),
         (
             "air_data",
             AIR.drop(columns="calibrated_airspeed"),
@@ -180,8 +180,8 @@ def test_a_mistake_is_a_sentence(sensor, frame, asked, sentence, take):
     assert "\n" not in str(told.value)
 
 
-def columns(imported, table="samples"):
-    found = imported.samples[table].table()
+def columns(imported, table=None):
+    found = (imported.samples[table] if table else imported.streams[0]).table()
     return {name.partition(" ")[0]: column for name, column in found.items()}
 
 
@@ -238,6 +238,20 @@ def test_begins_where_it_is_told_and_says_what_is_left_out(take):
     np.testing.assert_allclose(told["time"], TIME[TIME >= 10.0] - 10.0, rtol=0.0, atol=1e-12)
     assert told["sequence"][0] == 1.0 and told["rate[1]"][0] == IMU["rate_x"][TIME >= 10.0].iloc[0]
     assert f"{np.sum(TIME < 10.0)} sample(s) before t = 0 are left out" in imported.sentences()
+
+
+def test_a_file_may_hold_the_samples_of_two_bundles(take):
+    """Angles and velocities of the last interval, beside rates: both are played, with numbers of their own."""
+    both = IMU.assign(interval=0.02)
+    both = both.assign(**{f"angle_{a}": 0.02 * IMU[f"rate_{a}"] for a in "xyz"})
+    both = both.assign(**{f"velocity_{a}": 0.02 * IMU[f"specific_force_{a}"] for a in "xyz"})
+    imported = take("imu", both)
+    np.testing.assert_array_equal(columns(imported, "increments")["angle[2]"], both["angle_y"])
+    np.testing.assert_array_equal(columns(imported, "readings")["rate[2]"], both["rate_y"])
+    assert any(s.startswith("increments: 3000 samples") for s in imported.sentences())
+    assert "increments: not in the file, so the FMU is silent there" in take("imu", IMU).sentences()
+    with pytest.raises(NavfmuError, match=r"velocity by interval is 0\.19\d+ m/s2 where it is quiet; at rest"):
+        take("imu", both.assign(interval=1.0))
 
 
 def test_gaps_repeats_and_equal_times_are_told(take):

@@ -51,6 +51,8 @@ def doubts(samples: Samples) -> Iterator[str]:
     values = {name: value for name, value in values.items() if len(value)}
     if "specific_force" in values:
         yield from _specific_force(good.time, values["specific_force"])
+    if {"velocity", "interval"} <= set(values):
+        yield from _specific_force(good.time, values["velocity"] / values["interval"][:, None], "velocity by interval")
     if "rate" in values:
         yield from _rate(good.time, values["rate"], values.get("specific_force"))
     if "field_b" in values:
@@ -91,13 +93,13 @@ def quiet(time: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return parts.mean(axis=1)[spread <= np.quantile(spread, 0.1)]
 
 
-def _specific_force(time: np.ndarray, force: np.ndarray) -> Iterator[str]:
+def _specific_force(time: np.ndarray, force: np.ndarray, name: str = "specific_force") -> Iterator[str]:
     still = quiet(time, force)
     size = float(np.median(np.linalg.norm(still, axis=1)))
     if not REST[0] <= size <= REST[1]:
         yield (
-            f"specific_force is {size:.4g} m/s2 where it is quiet; at rest it is {GRAVITY:.4g}"
-            + _unit_hint("specific_force", size, "m/s2", REST)
+            f"{name} is {size:.4g} m/s2 where it is quiet; at rest it is {GRAVITY:.4g}"
+            + _unit_hint(name, size, "m/s2", REST)
         )
         return
     mean = np.median(still, axis=0)
@@ -107,7 +109,7 @@ def _specific_force(time: np.ndarray, force: np.ndarray) -> Iterator[str]:
         down = f"-{axis}" if sign == "+" else axis
         remedy = "--axes x,-y,-z turns them" if at == 2 else f"the third of --axes is {down}"
         yield (
-            f"specific_force points along {sign}{axis} where it is quiet; at rest the support points up, along -z of "
+            f"{name} points along {sign}{axis} where it is quiet; at rest the support points up, along -z of "
             f"axes that point forward, right and down: {remedy}"
         )
 

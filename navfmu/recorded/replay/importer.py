@@ -15,7 +15,7 @@ from navfmu.recorded.replay import account
 from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.doubts import doubts
 from navfmu.recorded.replay.file import File
-from navfmu.recorded.replay.samples import Samples, silence, take
+from navfmu.recorded.replay.samples import Samples, share, silence, take
 from navfmu.recorded.replay.wanted import Wanted, wanted
 
 SUFFIX = "_replay"
@@ -46,12 +46,11 @@ class Imported:
     def sentences(self) -> list[str]:
         """What there is to say, for the user."""
         found = []
-        for table, samples in self.samples.items():
-            named = f"{table}: " if len(self.samples) > 1 else ""
-            told = (
-                ["nothing of it is in the file: silent"] if samples is None else account.sentences(samples, self.tick)
-            )
-            found += [named + sentence for sentence in told]
+        for samples in self.streams:
+            named = f"{samples.wanted.table}: " if len(self.streams) > 1 else ""
+            found += [named + sentence for sentence in account.sentences(samples, self.tick)]
+        silent = [table for table, samples in self.samples.items() if samples is None]
+        found += [f"{table}: not in the file, so the FMU is silent there" for table in silent]
         return found + ([f"columns not used: {', '.join(self.unused)}"] if self.unused else [])
 
     def ranges(self) -> list[tuple[str, str, float, float, float]]:
@@ -95,9 +94,11 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
     found = [wanted(name, tables.read(files, name, player), player) for name in tables.known(files)]
     quantities = [quantity for one in found for quantity in one.quantities]
     asked.check([q.name for q in quantities], [q.name for q in quantities if q.vector])
-    samples = {one.table: take(file, one, asked) for one in found}
-    if not any(samples.values()):
+    shares = {one.table: share(file, one, asked) for one in found}
+    most = max(shares.values())
+    if most == 0.0:
         _nothing(file, found)
+    samples = {one.table: take(file, one, asked) if shares[one.table] == most else None for one in found}
     for one in samples.values():
         for sentence in doubts(one) if one else ():
             if not asked.unchecked:

@@ -102,11 +102,19 @@ def silence(wanted: Wanted) -> dict[str, np.ndarray]:
     return rows
 
 
-def take(file: File, wanted: Wanted, asked: Asked) -> Samples | None:
-    """Return the samples that a file holds for a table; None where it has nothing of what the table wants."""
+def share(file: File, wanted: Wanted, asked: Asked) -> float:
+    """Return how much a file has of what a table cannot do without, 0 to 1; 1 also where the user names some of it."""
+    names = [quantity.name for quantity in wanted.quantities]
+    if any(name in options for name in names for options in (asked.columns, asked.values)):
+        return 1.0
+    found = {quantity.name: bool(_columns(file, quantity, asked)) for quantity in wanted.quantities}
+    needed = [(q.name,) for q in wanted.quantities if not q.optional] + wanted.one_of
+    return sum(any(found[name] for name in group) for group in needed) / len(needed)
+
+
+def take(file: File, wanted: Wanted, asked: Asked) -> Samples:
+    """Return the samples that a file holds for a table."""
     found = {quantity.name: _columns(file, quantity, asked) for quantity in wanted.quantities}
-    if not any(columns or name in asked.values for name, columns in found.items()):
-        return None
     _check_found(file, wanted, asked, found)
     time, validity = _times(file, asked)
     values, sources = {}, {}
