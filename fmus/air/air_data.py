@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus.air.grades import AIR
 from fmus.grades import AIR_DATA
 from models.air import air_data, altimeter, atmosphere, pneumatics
 from models.attitude import attitude
@@ -64,6 +65,7 @@ class AirData(Component):
     """
 
     name = "air_data"
+    parameter_sets = AIR
     example = Example(
         {"altitude": 1500.0, "velocity_n": (46.3, 0.0, 0.0)},
         steps={"altitude": 300.0, "wind_n": (-10.0, 0.0, 0.0)},
