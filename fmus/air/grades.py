@@ -12,7 +12,7 @@ from navfmu.export import ParameterSet
 FOOT = 0.3048
 THESIS = {**AIR_DATA, "pitot_coefficient_sigma": 0.0, "pressure_offset_sigma": 0.0, "temperature_error_sigma": 0.0}
 TUBE = (5.0, 4.7e-3)
-"""Length and bore, m: a quarter-inch tube of 0.8 mm wall, from the wing or the tail to the panel of a light aircraft."""
+"""Length and bore, m: a quarter-inch tube of 0.8 mm wall, from the tail to the panel of a light aircraft."""
 INSTRUMENT = 1e-4
 """Volume of one, m3. Three are at the static line, one at the pitot line."""
 
@@ -45,9 +45,9 @@ AIR: dict[str, ParameterSet] = {
         },
     ),
     "transport": ParameterSet(
-        "The largest altimetry error that 14 CFR 91, appendix G, section 2(e) allows between FL 290 and FL 410: 80 ft as "
-        "the mean, here the position error at FL 370 and Mach 0.78, and 200 ft as the mean and three sigma. Airspeed as "
-        "in the thesis, with a transducer. A probe of the total temperature that takes a second.",
+        "The largest altimetry error that 14 CFR 91, appendix G, section 2(e) allows between FL 290 and FL 410: 80 ft "
+        "as the mean, here the position error at FL 370 and Mach 0.78, and 200 ft as the mean and three sigma. "
+        "Airspeed as in the thesis, with a transducer. A probe of the total temperature that takes a second.",
         {
             **AIR_DATA,
             "altitude_error_sigma": (200.0 - 80.0) / 3.0 * FOOT,
