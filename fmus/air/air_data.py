@@ -227,14 +227,25 @@ class AirData(Component):
         start=0.0,
         min=-0.5,
         max=0.5,
+        tunable=True,
         description="C_0: error of the static port by the impact pressure; 30 ft at 100 kn, which 14 CFR 23.1325(e) "
         "allowed (2011), is 0.067",
     )
     static_coefficient_attack = Parameter(
-        "1", start=0.0, min=-5.0, max=5.0, description="C_alpha: its change by the angle of attack, per rad"
+        "1",
+        start=0.0,
+        min=-5.0,
+        max=5.0,
+        tunable=True,
+        description="C_alpha: its change by the angle of attack, per rad",
     )
     static_coefficient_sideslip = Parameter(
-        "1", start=0.0, min=-20.0, max=20.0, description="C_beta: its change by the square of the sideslip, per rad2"
+        "1",
+        start=0.0,
+        min=-20.0,
+        max=20.0,
+        tunable=True,
+        description="C_beta: its change by the square of the sideslip, per rad2",
     )
     static_lag_time = Parameter(
         "s",
