@@ -6,4 +6,5 @@ from navfmu.export.__main__ import main
 
 if __name__ == "__main__":
     here = Path(__file__).parent
-    main(prog_name="build_fmus.py", default_map={"folder": str(here / "fmus"), "systems": str(here / "system_ssp")})
+    folders = [str(here / "fmus"), str(here / "interpreted")]
+    main(prog_name="build_fmus.py", default_map={"folders": folders, "systems": str(here / "system_ssp")})

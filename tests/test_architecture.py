@@ -31,12 +31,13 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
 )
 
 
+ABOVE_COMPONENTS = ("navfmu.engine", "navfmu.system", "navfmu.ssp", "evidence", "benchmarks", "tests", "system_ssp")
 NOT_NUMPY = tuple(f"navfmu.{room}" for room in ROOMS if room not in ("errors", "place", "derivatives", "repetition"))
 
 
 @cache
 def graph():
-    folders = ("navfmu", "models", "fmus", "evidence", "benchmarks", "tests", "system_ssp", "tools")
+    folders = ("navfmu", "models", "fmus", "interpreted", "evidence", "benchmarks", "tests", "system_ssp", "tools")
     return grimp.build_graph(*folders, cache_dir=None)
 
 
@@ -76,9 +77,10 @@ def test_no_module_of_the_package_needs_itself():
 @pytest.mark.parametrize(
     ("package", "forbidden"),
     [
-        ("models", ("fmus", *NOT_NUMPY, "evidence", "benchmarks", "tests", "system_ssp")),
-        ("fmus", ("navfmu.engine", "navfmu.system", "navfmu.ssp", "evidence", "benchmarks", "tests", "system_ssp")),
-        ("navfmu", ("models", "fmus", "evidence", "benchmarks", "tests", "system_ssp", "tools")),
+        ("models", ("fmus", "interpreted", *NOT_NUMPY, "evidence", "benchmarks", "tests", "system_ssp")),
+        ("fmus", ("interpreted", *ABOVE_COMPONENTS)),
+        ("interpreted", ABOVE_COMPONENTS),
+        ("navfmu", ("models", "fmus", "interpreted", "evidence", "benchmarks", "tests", "system_ssp", "tools")),
         ("system_ssp", ("models", "evidence", "benchmarks", "tests")),
         ("evidence", ("tests",)),
         ("benchmarks", ("tests",)),

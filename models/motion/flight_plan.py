@@ -154,3 +154,21 @@ def _integral(rate: np.ndarray, period: float) -> np.ndarray:
     result[2::2] = ends
     result[1::2] = np.concatenate([[0.0], ends[:-1]]) + period / 24.0 * (5.0 * left + 8.0 * middle - right)
     return result
+
+
+def asked(plan: dict[str, np.ndarray], time: float) -> dict[str, float]:
+    """What a plan (``models.motion.aircraft.schedule``) asks for at a time (s).
+
+    By name: track (rad), turn_rate (rad/s), altitude (m), vertical_speed (m/s upward) and speed (m/s).
+    """
+    at = {name: values[np.searchsorted(plan["begin"], time, side="right") - 1] for name, values in plan.items()}
+    elapsed = time - at["begin"]
+    turn = aircraft.change(elapsed, at["turn_rate_before"], at["turn_rate_step"], at["roll_time"])
+    climb = aircraft.change(elapsed, at["vertical_speed_before"], at["vertical_speed_step"], at["climb_time"])
+    return {
+        "track": at["track"] + turn[3],
+        "turn_rate": turn[0],
+        "altitude": at["altitude"] + climb[3],
+        "vertical_speed": climb[0],
+        "speed": aircraft.change(elapsed, at["speed_before"], at["speed_step"], at["speed_time"])[0],
+    }

@@ -12,7 +12,14 @@ from navfmu.terminal import interrupt, refusal
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("--folder", default="fmus", show_default=True, help="Folder whose modules define components.")
+@click.option(
+    "--folder",
+    "folders",
+    default=["fmus"],
+    multiple=True,
+    show_default=True,
+    help="Folder whose modules define components; may be given again.",
+)
 @click.option(
     "--out", default="dist", show_default=True, help="Folder for the FMUs; the Python twins go to OUT/python."
 )
@@ -33,7 +40,7 @@ from navfmu.terminal import interrupt, refusal
 @click.option("--jobs", type=click.IntRange(min=1), help="Compilers at a time; as many as there are processors.")
 def main(
     names: tuple[str, ...],
-    folder: str,
+    folders: tuple[str, ...],
     out: str,
     platforms: str,
     twins: bool,
@@ -43,10 +50,11 @@ def main(
 ) -> None:
     """Build FMUs from components: all that the modules in a folder define, or only those NAMEd.
 
-    An FMU that has not changed is taken from the cache.
+    An FMU that has not changed is taken from the cache. A component that needs a Python package has a PythonFMU only,
+    and where that package is not installed none.
     """
     with refusal.as_a_sentence("navfmu.export"), interrupt.as_a_sentence():
-        _build(names, folder, Path(out), platforms, twins, pictures, jobs)
+        _build(names, folders, Path(out), platforms, twins, pictures, jobs)
         if systems and not names:
             from navfmu.ssp.discovery import pack
 
@@ -55,15 +63,29 @@ def main(
 
 
 def _build(
-    names: tuple[str, ...], folder: str, out: Path, platforms: str, twins: bool, pictures: bool, jobs: int | None
+    names: tuple[str, ...],
+    folders: tuple[str, ...],
+    out: Path,
+    platforms: str,
+    twins: bool,
+    pictures: bool,
+    jobs: int | None,
 ) -> None:
     from navfmu.export.build import build_all
     from navfmu.export.discovery import choose, components
+    from navfmu.export.needs import missing
     from navfmu.export.parameter_sets import write
     from navfmu.terminal.progress import Progress
 
     started = time.monotonic()
-    chosen = choose(components(folder), names)
+    chosen = choose(components(*folders), names)
+    if not names:
+        of_python = {component: missing(component) for component in chosen if component.needs}
+        for component, lacking in of_python.items():
+            if not twins or lacking:
+                why = f"this Python has no {' and '.join(lacking)}" if lacking else "it is a Python twin only"
+                click.echo(f"{component.layout.name}: not built, {why}")
+                chosen.remove(component)
     with Progress("building FMUs") as progress:
         folder_of_twins = out / "python" if twins else None
         built = build_all(chosen, out, platforms.split(","), jobs, progress, folder_of_twins, pictures)

@@ -79,7 +79,10 @@ def build_all(
     twins: str | Path | None = None,
     pictures: bool = True,
 ) -> list[Built]:
-    """Like :func:`build`, and say which FMUs were unchanged; with ``twins`` write the Python twins to that folder."""
+    """Like :func:`build`, and say which FMUs were unchanged; with ``twins`` write the Python twins to that folder.
+
+    A component that needs a Python package has that twin alone.
+    """
     models = [models] if isinstance(models, ir.Model | type) else list(models)
     _check_names(models)
     out_dir, tuples = Path(out_dir), toolchain.resolve(platforms)
@@ -95,6 +98,15 @@ def build_all(
                 name = item.name if component is None else component.layout.name
                 lowered: list[ir.Model] = [] if component else [item]
                 show(len(done), total, f"tracing {name}")
+                if twins and component:
+                    done[i, "twin"] = _twin(component, lowered, Path(twins), pictures)
+                if component and component.needs:
+                    if not twins:
+                        raise NavfmuError(
+                            f"'{name}' calls the Python package {' and '.join(component.needs)} and has no native FMU; "
+                            "expected a folder for Python twins, or build_twin"
+                        )
+                    continue
                 key = fingerprint(component, "native", *_kind(pictures), *tuples) if component else None
                 path = out_dir / f"{name}.fmu"
                 if key and _take(key, path):
@@ -105,8 +117,6 @@ def build_all(
                     needed = dict.fromkeys([*tuples, toolchain.host()] if pictures else tuples)
                     futures = {platform: pool.submit(library, sources, platform) for platform in needed}
                     waiting.append((i, sources, futures, key))
-                if twins and component:
-                    done[i, "twin"] = _twin(component, lowered, Path(twins), pictures)
             for i, sources, futures, key in waiting:
                 while wait(futures.values(), timeout=0.5).not_done:
                     show(len(done), total, f"compiling {sources.model.name}")

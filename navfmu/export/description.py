@@ -184,8 +184,8 @@ def _lines(
         "canRunAsynchronuously": False,
         "canBeInstantiatedOnlyOncePerProcess": False,
         "canNotUseMemoryManagementFunctions": True,
-        "canGetAndSetFMUstate": True,
-        "canSerializeFMUstate": True,
+        "canGetAndSetFMUstate": not model.needs,
+        "canSerializeFMUstate": not model.needs,
         "providesDirectionalDerivative": False,
     }
     yield "  " + _tag("CoSimulation", capabilities, closed=not sources)
@@ -345,6 +345,9 @@ def _structure(model: ir.Model, places: Mapping[int, int]) -> Iterable[str]:
     if unknowns:
         yield "    <InitialUnknowns>"
         for index, depends in unknowns:
+            if model.needs:  # without dependencies: on all that is known
+                yield f'      <Unknown index="{places[index]}"/>'
+                continue
             numbers = " ".join(map(str, sorted(places[i] for i in depends)))
             yield f'      <Unknown index="{places[index]}" dependencies="{numbers}"/>'
         yield "    </InitialUnknowns>"

@@ -13,21 +13,28 @@ from navfmu.export.declaration.component import Component
 from navfmu.files.reading import resolved, what_is
 
 
-def components(folder: str | Path) -> dict[str, type[Component]]:
-    """Return the components that the modules in ``folder`` define, by name, sorted.
+def components(*folders: str | Path) -> dict[str, type[Component]]:
+    """Return the components that the modules in ``folders`` define, by name, sorted.
 
     A folder with ``__init__.py`` is imported as a package from its parent folder, so that its modules can import its
     neighbours; else the folder itself is where imports are looked up. The packages in it are looked through as well.
     Names that begin with an underscore are helpers.
     """
-    folder = resolved(folder)
+    found: dict[str, type[Component]] = {}
+    for folder in folders:
+        _look_through(resolved(folder), found)
+    return dict(sorted(found.items()))
+
+
+def _look_through(folder: Path, found: dict[str, type[Component]]) -> None:
+    """Add the components in one folder; there is one at least."""
+    before = len(found)
     if what_is(folder) != "a folder":
         raise NavfmuError(f"there is no folder {folder}; expected one with modules that define components")
     package = (folder / "__init__.py").is_file()
     root = str(folder.parent if package else folder)
     if root not in sys.path:
         sys.path.insert(0, root)
-    found: dict[str, type[Component]] = {}
     for file in _modules(folder):
         module = _import(".".join(file.relative_to(root).with_suffix("").parts), file)
         for item in vars(module).values():
@@ -39,9 +46,8 @@ def components(folder: str | Path) -> dict[str, type[Component]]:
             if name in found:
                 raise NavfmuError(f"{file}: component '{name}' is defined in {found[name].__module__} too")
             found[name] = item
-    if not found:
+    if len(found) == before:
         raise NavfmuError(f"no module in {folder} defines a subclass of navfmu.export.Component")
-    return dict(sorted(found.items()))
 
 
 def choose(known: dict[str, type[Component]], names: Iterable[str]) -> list[type[Component]]:

@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.export import life
+from navfmu.export import life, needs
 from navfmu.export.declaration.component import Component
 from navfmu.export.declaration.frame import Frame
 from navfmu.export.declaration.layout import Layout
@@ -66,10 +66,20 @@ class FloatFrame(Frame):
     """Floats for everything a task can read."""
 
     def __init__(
-        self, layout: Layout, values: np.ndarray, time: float, period: float, tables: Mapping[str, Numbers] = _OWN
+        self,
+        layout: Layout,
+        values: np.ndarray,
+        time: float,
+        period: float,
+        tables: Mapping[str, Numbers] = _OWN,
+        kept: dict[str, Any] | None = None,
     ) -> None:
         super().__init__(layout, time, period)
-        self.values, self.tables = values, tables
+        self.values, self.tables, self._kept = values, tables, kept
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        return super().kept if self._kept is None else self._kept
 
     def load(self, variable: ir.Variable) -> Any:
         values = self.values[variable.index : variable.index + variable.size]
@@ -135,10 +145,11 @@ def _run_task(
     time: float,
     period: float,
     tables: Mapping[str, Numbers] = _OWN,
+    kept: dict[str, Any] | None = None,
 ) -> set[str]:
     """Run a task on the values and store what it assigns; return the names of that."""
     layout = component.layout
-    frame = FloatFrame(layout, values, time, period, tables)
+    frame = FloatFrame(layout, values, time, period, tables, kept if component.needs else None)
     arguments: tuple[Any, ...] = task.element
     if task.uses_noise:
         seed, stream = (nearest_int(values[layout.fields[name].index]) for name in ("seed", "stream"))
@@ -162,12 +173,13 @@ def variables(component: type[Component]) -> tuple[ir.Variable, ...]:
     """
     layout = component.layout
     values = start_values(layout)
+    kept: dict[str, Any] = {}
     assigned: set[str] = set()
     for task in layout.tasks:
         if task.kind == "start":
             try:
                 with np.errstate(all="ignore"):
-                    assigned |= _run_task(component, task, values, 0, 0.0, 0.0)
+                    assigned |= _run_task(component, task, values, 0, 0.0, 0.0, kept=kept)
             except NavfmuError:
                 raise
             except Exception as error:
@@ -204,6 +216,7 @@ class Interpreter:
     """
 
     def __init__(self, component: type[Component], build: str = "", resources: str | Path = ".") -> None:
+        needs.require(component)
         self.component, self.resources = component, Path(resources)
         self.layout = component.layout
         self._build = f"{build} {_number(component)}".strip()
@@ -225,6 +238,7 @@ class Interpreter:
     def reset(self) -> None:
         """Return to the state after construction."""
         self.values = start_values(self.layout)
+        self.kept: dict[str, Any] = {}
         self.texts = [text for variable in self.variables for text in variable.texts]
         self.time = self.start_time = 0.0
         self.stop_time = math.inf
@@ -387,6 +401,20 @@ class Interpreter:
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that the future depends on, as plain data that JSON keeps to the last bit."""
+        self._can_be_saved()
+        return self._saved()
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Return to a saved state."""
+        self._can_be_saved()
+        self._restore(state)
+
+    def _can_be_saved(self) -> None:
+        if self.component.needs:
+            packages = " and ".join(self.component.needs)
+            raise NavfmuError(f"'{self.layout.name}' cannot save or restore its state: part of it is in {packages}")
+
+    def _saved(self) -> dict[str, Any]:
         self._undo_preview()
         return {
             "component": self.layout.name,
@@ -402,8 +430,7 @@ class Interpreter:
             "named": self.named,
         }
 
-    def set_state(self, state: dict[str, Any]) -> None:
-        """Return to a saved state."""
+    def _restore(self, state: dict[str, Any]) -> None:
         if (state.get("component"), state.get("build")) != (self.layout.name, self._build):
             self._refuse("OTHER_STATE", self.layout.name)
         if state["named"]:
@@ -438,7 +465,7 @@ class Interpreter:
         """Calculate what depends on what was set so far; when that fails, nothing has changed."""
         if self._before is not None:
             return
-        self._before = self.get_state()
+        self._before = self._saved()
         try:
             self.tables = self._named_tables(self.texts)
             for task in self.layout.tasks:
@@ -450,7 +477,7 @@ class Interpreter:
 
     def _undo_preview(self) -> None:
         if self._before is not None:
-            self.set_state(self._before)
+            self._restore(self._before)
 
     # --- parameters ---
 
@@ -501,7 +528,7 @@ class Interpreter:
     # --- stepping ---
 
     def _run(self, task: TaskDeclaration, k: int, time: float, period: float) -> None:
-        _run_task(self.component, task, self.values, k, time, period, self.tables)
+        _run_task(self.component, task, self.values, k, time, period, self.tables, self.kept)
 
     def _run_on_new(self, number: int, task: TaskDeclaration, time: float, tolerance: float, period: float) -> None:
         """Run the task if the bundle's number has changed and its time has come."""

@@ -157,7 +157,11 @@ class {component}Slave(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.modelName = {name!r}
-        self.run = _INTERPRETER(_component(self.resources), _UNIQUE, self.resources)
+        try:
+            self.run = _INTERPRETER(_component(self.resources), _UNIQUE, self.resources)
+        except _ERROR as error:
+            _tell(self, error)
+            raise
 
     @_told
     def setup_experiment(self, start_time, stop_time, tolerance):
@@ -246,7 +250,11 @@ def sources(component: type[Component]) -> dict[str, str]:
     """Return the sources that a twin carries: module name to text."""
     carried = {"navfmu": ""}  # the front door leads to the whole package, which is not carried
     _collect(carried, [interpreter.__name__], lambda name: name.startswith("navfmu"))
-    _collect(carried, [component.__module__], lambda name: not name.startswith("navfmu.export"))
+    _collect(
+        carried,
+        [component.__module__],
+        lambda name: not name.startswith("navfmu.export") and name.partition(".")[0] not in component.needs,
+    )
     return dict(sorted(carried.items()))
 
 

@@ -41,6 +41,9 @@ class Component:
     layout: Layout
     tick: str | None = None
     parameter_sets: Mapping[str, ParameterSet] = MappingProxyType({})
+    #: Python packages that the tasks call. What needs one is no C: its FMU is a PythonFMU, and its state, part of which
+    #: lies in ``kept``, cannot be saved.
+    needs: tuple[str, ...] = ()
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -64,10 +67,15 @@ class Component:
         """Period of the task's clock in s."""
         return self._frame.period
 
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What an instance keeps of the packages that it ``needs``, by names of its own."""
+        return self._frame.kept
+
     def __setattr__(self, name: str, value: Any) -> None:
         if isinstance(getattr(type(self), name, None), Variable | Bundle | Numbers):
             object.__setattr__(self, name, value)
-        elif name in ("time", "period"):
+        elif name in ("time", "period", "kept"):
             self._frame.fail(f"'{name}' cannot be assigned")
         else:
             known = [*self.layout.fields]

@@ -24,6 +24,11 @@ class Frame:
         self.assigned: set[str] = set()
         self.task = ""
 
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What the instance keeps beside its variables."""
+        self.fail("'kept' is for what comes from a Python package; name that in 'needs', or declare a State")
+
     def load(self, variable: ir.Variable) -> Any:
         """Return the stored value of a variable as a read-only array."""
         raise NotImplementedError

@@ -23,7 +23,7 @@ from navfmu.export.place import check_text
 from navfmu.export.record import ir
 from navfmu.fmi.names import hint
 
-RESERVED = {"name", "tick", "time", "period", "noise", "seed", "stream", "layout", "parameter_sets"}
+RESERVED = {"name", "needs", "tick", "time", "period", "noise", "seed", "stream", "layout", "parameter_sets"}
 
 
 def _held(member: Any) -> Variable | Bundle | Numbers | None:

@@ -252,6 +252,7 @@ class Model:
     documentation: dict[str, Any] = field(default_factory=dict)
     through: Through | None = None
     units: Mapping[str, Unit] = field(default_factory=dict)  # that are not made of SI symbols
+    needs: tuple[str, ...] = ()  # Python packages that it calls: tasks are without values, and there is no C
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:

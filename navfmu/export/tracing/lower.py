@@ -12,7 +12,7 @@ import numpy as np
 
 from navfmu.derivatives.dual import Dual
 from navfmu.errors import NavfmuError
-from navfmu.export import fingerprint
+from navfmu.export import fingerprint, needs
 from navfmu.export.declaration.component import Component
 from navfmu.export.declaration.frame import Frame
 from navfmu.export.declaration.layout import Layout
@@ -121,6 +121,11 @@ def _task(layout: Layout, task: TaskDeclaration, functions: dict) -> ir.Task:
     return shortest(lambda: _traced(layout, task), what, functions, MOST // alike)[0]
 
 
+def _called(layout: Layout, task: TaskDeclaration) -> ir.Task:
+    """Return a task that only Python runs: when, not what."""
+    return ir.Task(task.name, task.kind, (), (), stream=task.stream, clock=layout.clock(task))
+
+
 def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
     index = layout.index
     on_new = task.kind == "on_new"
@@ -200,11 +205,14 @@ def _documentation(layout: Layout) -> dict[str, Any]:
 
 def lower(component: type[Component]) -> ir.Model:
     """Trace a component class into the model that the code generator reads."""
+    needs.require(component)
     layout = component.layout
     modules = [component.__module__, *fingerprint.sources(component.__module__)]
     with trace.tracing(sys.modules[name] for name in dict.fromkeys(modules) if name in sys.modules):
         functions: dict = {}
-        tasks = tuple(_task(layout, task, functions) for task in layout.tasks)
+        tasks = tuple(
+            _called(layout, task) if component.needs else _task(layout, task, functions) for task in layout.tasks
+        )
         checks = tuple(_checks(layout))
     tables = tuple(
         ir.Table(
@@ -227,4 +235,5 @@ def lower(component: type[Component]) -> ir.Model:
         seed=layout.fields["seed"].index if layout.uses_noise else None,
         stream=layout.fields["stream"].index if layout.uses_noise else None,
         documentation=_documentation(layout),
+        needs=component.needs,
     )
