@@ -20,6 +20,7 @@ NOISY = {
     "gps": (HERE, ["fix.altitude", "fix.velocity_n[1]", "attitude.roll"], 1.0),
     "imu": ({}, [f"reading.{what}[{i}]" for what in ("rate", "specific_force") for i in (1, 2, 3)], 0.01),
     "magnetometer": (HERE, [f"field.field_b[{i}]" for i in (1, 2, 3)], 0.1),
+    "ring_laser": ({"pulse": 1e-9}, [f"increment.angle[{i}]" for i in (1, 2, 3)], 0.01),
     "weather": (NORTH, ["temperature_deviation", "sea_level_pressure"], 1.0),
     "wind": (NORTH, ["wind_n[1]", "wind_n[2]"], 1.0),
 }
