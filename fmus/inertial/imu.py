@@ -11,7 +11,7 @@ from fmus.inertial.triad import Triad, triad
 from fmus.inertial.vibration import Vibration
 from models.attitude import attitude
 from models.earth.earth import STANDARD_GRAVITY
-from models.inertial import axes, flicker, heating, latency
+from models.inertial import axes, flicker, heating, latency, shaping
 from models.processes import gauss_markov
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
@@ -193,7 +193,11 @@ class Imu(
         self.begin_rates()
         for sensors, scaled in zip(both, self.scaled(), strict=True):
             sensors.settle(scaled)
-        self.begin_increments(*(sensors.sensed(sensors.lagged[0], self.warmer()) for sensors in both))
+        sensed = (sensors.sensed(sensors.lagged[0], self.warmer()) for sensors in both)
+        gyros, _ = both
+        self.begin_increments(
+            *sensed, shaping.squared(gyros.transition, (gyros.delay, gyros.inverse), self.sample_period)
+        )
 
     def warmer(self):
         """Temperature of the sensors above that of their calibration, K."""

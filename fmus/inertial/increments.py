@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.inertial import coning, increments, sculling
+from models.inertial import coning, increments, sculling, series, shaping
 from navfmu.export import Bundle, Output, Parameter, State
 
 MOST = 4
 """Samples that a product of coning reaches over; its order is twice that."""
-NUMBERS = np.zeros((MOST, MOST - 1))
-"""c_1 ... c_3 of ``models.inertial.coning`` by number of samples, for inputs that are integrated by trapezoids."""
-for _m in range(MOST):
-    NUMBERS[_m, :_m] = [float(c) for c in coning.before(_m, "trapezoid")]
+TRAPEZOID = [float(x) for x in series.product(coning.SHAPES["trapezoid"], coning.SHAPES["trapezoid"])[: shaping.POWERS]]
+"""F^2 of the integration, by powers."""
 
 
 class Increments:
@@ -32,6 +30,12 @@ class Increments:
         max=MOST,
         description="samples m that a product for coning and sculling reaches over, order 2m (RTO MP-43 (1999), Mark "
         "and Tazartes, Table 1); 1: how rotations add up, and no more",
+    )
+    coning_fits_lag = Parameter(
+        kind="boolean",
+        start=False,
+        description="whether the products fit what the gyros' lag passes of a cone, too (RTO MP-43 (1999), Mark and "
+        "Tazartes, (A-28)); they then raise noise near the bandwidth",
     )
     angle_quantum = Parameter(
         "rad",
@@ -64,11 +68,17 @@ class Increments:
     coning_sum = State(3, "rad", description="coning since the last increment")
     sculling_sum = State(3, "m/s", description="sculling since the last increment")
 
-    def begin_increments(self, rate, specific_force):
-        """What is sensed when initialisation ends. (Not a task of its own: it would move the noise of the others.)"""
+    def begin_increments(self, rate, specific_force, lag):
+        """What is sensed when initialisation ends, and F^2 of the gyros' lag.
+
+        (Not a task of its own: it would move the noise of the others.)
+        """
         self.last_rate, self.last_force = rate, specific_force
+        squared = [np.where(self.coning_fits_lag, x, k == 0) for k, x in enumerate(lag)]
+        squared = series.product(TRAPEZOID, squared)
+        numbers = [np.concatenate([coning.fitted(m, squared), np.zeros(MOST - 1 - m)]) for m in range(1, MOST)]
         self.coning_numbers = np.select(
-            [self.coning_samples == m for m in range(1, MOST)], list(NUMBERS[:-1]), NUMBERS[-1]
+            [self.coning_samples == m for m in range(1, MOST)], [np.zeros(MOST - 1), *numbers[:-1]], numbers[-1]
         )
 
     def integrate(self, rate, specific_force, rate_noise, force_noise):

@@ -77,6 +77,23 @@ def error_of(found: list[Fraction], shape: str = "flat") -> Fraction:
     return _left(found, 1, shape)
 
 
+def fitted(count: int, squared):
+    """Return c_1 ... c_n of (5), shape (n,), where F is known only when the gyro is.
+
+    Parameters
+    ----------
+    count
+        n.
+    squared
+        F(a)^2 as coefficients of the powers 0, 2 ... 2n of a.
+    """
+    products = [[float(x) for x in _product(p, "flat")[:count]] for p in range(1, count + 1)]
+    whole = [float(x) for x in series.sinc(1)]
+    shaped = np.stack([np.stack(series.product(product, squared)) for product in products], axis=1)
+    wanted = np.stack(series.product(whole, squared)[1 : count + 1])
+    return np.linalg.solve(shaped, -0.5 * wanted)
+
+
 def correction(angles, x):
     """Return dphi minus the sum of the increments of one interval, rad; products with the last increment alone.
 

@@ -1,11 +1,14 @@
-"""Even power series with exact coefficients: tuples of fractions, of the powers 0, 2, 4 ... of the variable."""
+"""Even power series: tuples of the coefficients of the powers 0, 2, 4 ... of the variable.
+
+Those made here have fractions, so they are exact; :func:`product` and :func:`quotient` take any numbers.
+"""
 
 from __future__ import annotations
 
 from fractions import Fraction
 from math import factorial
 
-Series = tuple[Fraction, ...]
+Series = tuple
 TERMS = 8
 """How many powers are kept: up to the 14th, enough for algorithms of order 12."""
 
@@ -21,16 +24,15 @@ def cosine(k: int | Fraction) -> Series:
 
 
 def product(first: Series, second: Series) -> Series:
-    """Return the product, cut to the same number of powers."""
-    return tuple(sum((first[i] * second[n - i] for i in range(n + 1)), Fraction(0)) for n in range(TERMS))
+    """Return the product, cut to the powers that both have."""
+    return tuple(sum(first[i] * second[n - i] for i in range(n + 1)) for n in range(min(len(first), len(second))))
 
 
 def quotient(first: Series, second: Series) -> Series:
     """Return the series that gives ``first`` when it is multiplied by ``second``, whose first term is not 0."""
-    found: list[Fraction] = []
-    for n in range(TERMS):
-        known = sum((found[i] * second[n - i] for i in range(n)), Fraction(0))
-        found.append((first[n] - known) / second[0])
+    found: list = []
+    for n in range(min(len(first), len(second))):
+        found.append((first[n] - sum(found[i] * second[n - i] for i in range(n))) / second[0])
     return tuple(found)
 
 
