@@ -46,8 +46,14 @@ RECTIFICATION = 2e-4
 def run(out: Path) -> Section:
     """Shake, compare and draw."""
     found = Increments()
+    made = section(found)
+    write_file(out / "sensors" / "increments.png", picture(found, made.claims))
+    return made
+
+
+def section(found: Increments) -> Section:
+    """What was found."""
     claims = [found.coned, found.sculled, found.counted, found.rectified]
-    write_file(out / "sensors" / "increments.png", picture(found, claims))
 
     def write(page: Page) -> None:
         page.heading("Increments of angle and velocity", 3)

@@ -37,8 +37,14 @@ OFF, ON, END = 60.0, 180.0, 240.0
 def run(out: Path) -> Section:
     """Turn, count and draw."""
     rings = Rings()
+    made = section(rings)
+    write_file(out / "sensors" / "ring_laser.png", picture(rings, made.claims))
+    return made
+
+
+def section(rings: Rings) -> Section:
+    """What was found."""
     claims = [rings.dead, rings.walked, rings.failed]
-    write_file(out / "sensors" / "ring_laser.png", picture(rings, claims))
 
     def write(page: Page) -> None:
         page.heading("Ring-laser gyros", 3)
@@ -114,12 +120,16 @@ class Rings:
         fault = Fault("dither", "ring_laser.dither_off", "input", OFF, ON - OFF, {"value": True})
         return angles(END, 0.1, 1.0, [fault], rate=[*(SHOWN * LOCK_IN)]) / LOCK_IN
 
+    @cached_property
+    def sound(self) -> np.ndarray:
+        """The same without the fault."""
+        return angles(END, 0.1, 1.0, rate=[*(SHOWN * LOCK_IN)]) / LOCK_IN
+
     @property
     def failed(self) -> Claim:
-        sound = angles(END, 0.1, 1.0, rate=[*(SHOWN * LOCK_IN)]) / LOCK_IN
         first, last = round(OFF), round(ON)
-        before = np.array_equal(sound[:first], self.failing[:first])
-        after = np.max(np.abs(np.cumsum(self.failing[last:] - sound[last:], axis=0))) * LOCK_IN / PULSE
+        before = np.array_equal(self.sound[:first], self.failing[:first])
+        after = np.max(np.abs(np.cumsum(self.failing[last:] - self.sound[last:], axis=0))) * LOCK_IN / PULSE
         silent = np.all(self.failing[first + 1 : last, 0] == 0.0)
         return Claim(
             "A failed dither is silence below the lock-in rate, and then over: off a sound ring after it, in pulses",
