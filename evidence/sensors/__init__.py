@@ -12,7 +12,17 @@ from pathlib import Path
 from evidence.section import Section
 from navfmu.report.page import Page
 
-SENSORS = ("air_data", "at_rest", "azimuth_detector", "imu", "increments", "magnetometer", "ring_laser", "wind")
+SENSORS = (
+    "air_data",
+    "at_rest",
+    "azimuth_detector",
+    "imu",
+    "increments",
+    "magnetometer",
+    "replay",
+    "ring_laser",
+    "wind",
+)
 """The modules, each with a function ``run(out) -> Section`` that writes ``out/sensors/NAME.png``."""
 
 
