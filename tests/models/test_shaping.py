@@ -7,9 +7,9 @@ import pytest
 from scipy import signal
 
 from fmus.inertial.imu import Imu
-from models.inertial import bandwidth, cone, coning, series, shaping
+from models.inertial import bandwidth, cone, coning, sculling, series, shaping
 from tests.models.native import Native
-from tests.models.rotation import together
+from tests.models.rotation import matrix, together
 from tests.models.test_coning import PASSED, error_by_formula
 from tests.models.test_imu import QUIET
 
@@ -18,8 +18,8 @@ LAGS = {"first": (40.0, 1, 0.7), "second": (40.0, 2, 0.7), "resonant": (60.0, 2,
 """Bandwidth in Hz, order, damping."""
 
 
-def passed(lag, a: float) -> float:
-    """|F| of a lag for inputs that are linear between samples, by SciPy's discretisation of its state space."""
+def response(lag, a: float) -> complex:
+    """What a lag makes of exp(i a k) that is linear between samples, by SciPy's discretisation of its state space."""
     w, zeta = 2 * np.pi * lag[0], lag[2]
     if lag[1] == 1:
         system = ([[-w]], [[w]], [[1.0]], [[0.0]])
@@ -27,7 +27,11 @@ def passed(lag, a: float) -> float:
         system = ([[0.0, 1.0], [-w * w, -2 * zeta * w]], [[0.0], [w * w]], [[1.0, 0.0]], [[0.0]])
     system = tuple(np.array(matrix) for matrix in system)
     above, below = signal.ss2tf(*signal.cont2discrete(system, PERIOD, method="foh")[:4])
-    return abs(signal.freqz(above[0], below, worN=[a])[1][0])
+    return signal.freqz(above[0], below, worN=[a])[1][0]
+
+
+def passed(lag, a: float) -> float:
+    return abs(response(lag, a))
 
 
 def squared(lag):
@@ -102,6 +106,30 @@ def test_numbers_that_do_not_fit_leave_what_the_lag_takes(native):
     leftover = error_by_formula(coning.before(3, "trapezoid"), 1, "trapezoid", a)
     assert found == pytest.approx(f * f * leftover + (1.0 - f * f), abs=3e-8)
     assert abs(drift(native, lag, 4, 20, True)) < 0.01 * abs(found)
+
+
+def test_accelerometers_later_than_gyros_scull_where_nothing_does(native):
+    """Swing and force a quarter apart do not scull; with a lag of the accelerometers alone they do, by Im(p) / 2."""
+    lag, around, each, swing, force = LAGS["second"], 20, 5, 1e-5, 2.0
+    parameters = {**QUIET, "increment_samples": each, "specific_force": 0.0, "vibrating": True}
+    parameters |= dict(
+        zip(("accelerometer_bandwidth", "accelerometer_lag_order", "accelerometer_damping"), lag, strict=True)
+    )
+    parameters |= {"vibration_frequency": 1.0 / (around * PERIOD), "accelerometer_rectification": 0.0}
+    parameters |= {"vibration_swing_sine": (swing, 0.0, 0.0), "vibration_swing_cosine": 0.0}
+    parameters |= {"vibration_shake_sine": 0.0, "vibration_shake_cosine": (0.0, force, 0.0)}
+    run = native.run(20 * around * PERIOD, PERIOD, ["increment.angle", "increment.velocity"], parameters)
+    first = 10 * around // each
+    angles, velocities = (run[f"increment.{name}"][each::each][first:] for name in ("angle", "velocity"))
+    attitude, gained = np.zeros(3), np.zeros(3)
+    for angle, velocity in zip(angles, velocities, strict=True):
+        gained = gained + matrix(attitude) @ sculling.at_the_beginning(angle, velocity)
+        attitude = attitude + angle
+    a = 2 * np.pi / around
+    lagged = response(lag, a)
+    acceleration = gained[2] / (len(angles) * each * PERIOD)
+    assert acceleration / (0.5 * swing * force) == pytest.approx(-lagged.imag, abs=1e-6)
+    assert abs(lagged.imag) > 0.1
 
 
 def _trapezoid():
