@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 from navfmu.engine.library import build_all
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGED = ("c", "h", "so", "dll", "dylib", "fmu", "ssp", "toml", "md", "txt", "xsd", "json", "j2", "js", "css", "lark")
+PACKAGED = tuple("c h so dll dylib fmu ssp ssv toml md txt xsd json j2 js css lark".split())
 """Endings of the files in the package that are not Python."""
 
 

@@ -147,7 +147,10 @@ class Imu(
         description="shortest correlation time of the flicker noise; from 3 times that on its floor is flat",
     )
     latency = Parameter(
-        kind="integer", min=0, max=latency.LONGEST, description="by how many samples later a sample leaves the unit"
+        kind="integer",
+        min=0,
+        max=latency.LONGEST,
+        description="by how many samples later a reading leaves the unit; increments leave at once",
     )
 
     reading = Bundle(

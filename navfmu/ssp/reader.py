@@ -67,6 +67,13 @@ def read(
     return _Reader(Path(path), folder, file, find).read()
 
 
+def read_parameters(path: str | Path) -> list[Setting]:
+    """Read the values of a parameter set, an .ssv by itself."""
+    path = Path(path)
+    reader = _Reader(path, path.parent, path, lambda name: None)
+    return reader._settings(reader._parse(path, "SystemStructureParameterValues", "ssv"), str(path), "")
+
+
 class _Reader:
     def __init__(self, origin: Path, folder: Path, file: Path, find: Callable[[str], Path | None]) -> None:
         self.origin, self.folder, self.file, self.find = origin, folder, file, find

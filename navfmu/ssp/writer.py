@@ -29,9 +29,11 @@ from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.fmu import describe
 from navfmu.fmi.names import is_element, members
-from navfmu.fmi.units import BASE, Unit
+from navfmu.fmi.units import BASE, Unit, conversion
 from navfmu.fmi.values import expand
 from navfmu.ssp.document import MAIN, NAMESPACES, OMS, OSP, PARAMETER_SET, RESOURCES
+from navfmu.ssp.reader import read_parameters
+from navfmu.ssp.structure import Setting
 
 
 @dataclass
@@ -98,8 +100,17 @@ class SystemSource:
             raise NavfmuError(f"{where}: the output has {len(outputs)} elements, the input {len(inputs)}")
         return self
 
-    def parameters(self, component: str, values: Mapping[str, Any], name: str | None = None) -> SystemSource:
-        """Give a component parameters (or start values of inputs); ``name`` names the file of its parameter set."""
+    def parameters(
+        self, component: str, values: Mapping[str, Any] | str | Path, name: str | None = None
+    ) -> SystemSource:
+        """Give a component parameters (or start values of inputs); ``name`` names the file of its parameter set.
+
+        ``values`` may be the path of an .ssv, one of those beside the built FMUs for example, whose name is then the
+        default.
+        """
+        if isinstance(values, str | Path):
+            name = name or Path(values).stem
+            values = {s.name: _in_own_unit(self._of(component), s) for s in read_parameters(values)}
         self._set(self._base, component, values, name)
         return self
 
@@ -359,6 +370,16 @@ def values_document(description: Description, values: Mapping[str, Any], text: s
     lines += _unit_lines("ssv:Units", units)
     lines.append("</ssv:ParameterSet>")
     return ("\n".join(lines) + "\n").encode()
+
+
+def _in_own_unit(description: Description, setting: Setting) -> Any:
+    """The value of a setting in the unit of its variable; one that the FMU does not have is refused later."""
+    variable = description.by_name.get(setting.name)
+    if variable is None or setting.type != "Real":
+        return setting.value
+    own, where = description.units.get(variable.unit or ""), f"{setting.where}: '{setting.name}'"
+    factor, offset = conversion(setting.unit, own, where, difference=variable.relative)
+    return factor * setting.value + offset
 
 
 def _check_pair(source: Variable, target: Variable, where: str) -> None:

@@ -68,6 +68,34 @@ def test_a_system_that_binds_the_file_runs_with_its_values(folder, tmp_path):
     np.testing.assert_allclose(run["ramp.height[2]"].iloc[-1], 7.0, rtol=1e-12)
 
 
+def test_a_system_is_written_from_the_file(folder, tmp_path):
+    """Its units, too: a file in 1/h, as another tool may write it, is not taken for one in 1/s."""
+    file = folder / "parameters" / "ramp_steep.ssv"
+    slow = tmp_path / "ramp_slow.ssv"
+    text = file.read_text(encoding="utf-8")
+    for own, other in (
+        ('value="5.0" unit="1/s"', 'value="5.0" unit="1/h"'),
+        ('<ssc:Unit name="1/s">', '<ssc:Unit name="1/h">'),
+        ('<ssc:BaseUnit s="-1"/>', '<ssc:BaseUnit s="-1" factor="0.0002777777777777778"/>'),
+    ):
+        assert text.count(own) == 1
+        text = text.replace(own, other)
+    slow.write_text(text, encoding="utf-8")
+    for path, end in ((file, 7.0), (slow, 2.0 + 5.0 / 3600.0)):
+        source = SystemSource("climb", fmus=folder, stop_time=1.0, step=0.1)
+        source.component("ramp", "ramp.fmu").parameters("ramp", path)
+        written = source.write(tmp_path / path.stem)
+        assert tmp_path / path.stem / "resources" / f"{path.stem}.ssv" in written
+        run = System.load(tmp_path / path.stem).run(record=["ramp.height"])
+        np.testing.assert_allclose(run["ramp.height[2]"].iloc[-1], end, rtol=1e-9)
+
+
+def test_a_file_that_is_no_parameter_set_is_refused(folder, tmp_path):
+    source = SystemSource("climb", fmus=folder).component("ramp", "ramp.fmu")
+    with pytest.raises(NavfmuError, match=r"nowhere\.ssv"):
+        source.parameters("ramp", tmp_path / "nowhere.ssv")
+
+
 def test_a_set_with_a_wrong_name_is_refused_with_the_nearest(folder):
     class Ramp2(Ramp):
         name = "ramp"
