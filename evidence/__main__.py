@@ -24,6 +24,7 @@ SECTIONS = (
     "closure",
     "real_flights",
     "sensors",
+    "jsbsim",
     "expressions",
     "public_fmus",
     "speed",
@@ -36,7 +37,7 @@ SECTIONS = (
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, fmea, step_sizes, closure, real_flights, sensors, expressions, public_fmus and speed.
+    There are headline, fmea, step_sizes, closure, real_flights, sensors, jsbsim, expressions, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

@@ -2,7 +2,7 @@
 
 JSBSim (https://jsbsim.sourceforge.net, LGPL) integrates the motion of a rigid body over the WGS-84 ellipsoid, with its
 rotation and with gravity to the second zonal harmonic, J2. The aircraft (aerodynamic tables, engine, propeller,
-weights; GPL) is the file c172p.xml that the package jsbsim holds: one pilot, 91 kg of fuel, 1043 kg together.
+weights; GPL) is the file c172p.xml that the package jsbsim holds: one pilot, 90 kg of fuel, 852 kg together.
 """
 
 from __future__ import annotations
