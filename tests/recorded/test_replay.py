@@ -131,6 +131,12 @@ PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
         ("imu", BACK, {}, r"made.csv, line 102: the time goes back, from \d+\.\d+ s to"),
         ("imu", IMU.assign(time=np.where(TIME > 1.0, np.nan, TIME)), {}, r"line \d+: 'time' is nan; expected a time"),
         ("imu", FAR, {}, r"the first time is 1000000\.01 s, .*pass --start 1000000\.01"),
+        ("imu", IMU.assign(time=TIME * 1e3), {}, r"time between samples is \d\d\.?\d* s; .*in ms\? --unit time=ms"),
+        ("imu", IMU.assign(time=TIME * 1e6), {}, r"time between samples is \d\S* s; .*in us\? --unit time=us"),
+        ("imu", IMU, {"units": {"time": "us"}}, r"time between samples is \d\.?\d*e-08 s; expected 1e-05 to 1 s"),
+        ("gps", GPS.assign(time=SLOW * 1e3), {}, r"time between samples is \d+\.?\d* s; .*in ms\?"),
+        ("imu", IMU.assign(time=np.floor(TIME)), {}, r"time of 2\d\d\d of 3000 samples is that of the next one"),
+        ("imu", IMU.assign(time=1.0), {}, r"time of 2999 of 3000 samples is that of the next one"),
         ("imu", IMU, {"start": 1e3}, r"no sample is left; see --start"),
         ("imu", IMU, {"age": -1.0}, r"--age is -1 s: a sample cannot hold for a time to come"),
         ("imu", IMU.assign(made=TIME + 1.0), {"columns": {"time_of_validity": ("made",)}}, r"after the time at which"),
@@ -308,11 +314,24 @@ def test_the_command_writes_the_fmu_from_csv_and_parquet_and_tells(player, tmp_p
     assert wrong.exit_code == 2 and "there is no sensor 'imus'; expected imu, gps; did you mean 'imu'?" in wrong.output
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_fewest_samples_are_played(count, take):
+    told = columns(take("imu", IMU[:count]))
+    assert len(told["time"]) == max(count, 2) and np.ptp(told["sequence"]) == count - 1  # a row twice is told once
+
+
+def test_a_text_may_end_in_empty_lines(tmp_path):
+    IMU.to_csv(tmp_path / "a.csv", index=False)
+    (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text() + "\n\n")
+    pd.testing.assert_frame_equal(read(tmp_path / "b.csv").frame, read(tmp_path / "a.csv").frame)
+
+
 def test_files_that_are_none(tmp_path):
     for name, content, sentence in (
         ("a.parquet", b"PAR", "this is no Parquet file"),
         ("a.csv", b"", "this is no CSV table with a header line"),
         ("b.csv", b"time,rate_x\n", "has no rows"),
+        ("c.csv", b"time;rate_x\n0,1;0,2\n", "the columns are separated by ';'; expected commas"),
         ("a.mat", b"", "cannot tell the format from the name"),
     ):
         (tmp_path / name).write_bytes(content)

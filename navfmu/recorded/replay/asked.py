@@ -129,6 +129,8 @@ def scale(text: str, unit: str, what: str) -> tuple[float, float]:
         if name not in ("", "1"):
             raise NavfmuError(f"{what}: the unit is '{text}', and this is a plain number; expected at most a factor")
         return factor, 0.0
+    if not name:
+        raise NavfmuError(f"{what}: '{text}' has no unit; expected one, as in '1e-3 {unit}'")
     own = COMMON[unit]
     fitting = alike(own)
     if name not in COMMON:

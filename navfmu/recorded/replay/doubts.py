@@ -15,6 +15,9 @@ import numpy as np
 from navfmu.fmi.units import COMMON, alike
 from navfmu.recorded.replay.samples import Samples
 
+FAST, SLOW, SLOWEST = 1e-5, 1.0, 30.0
+"""s: the shortest usual time between samples, and the longest of inertial and magnetic sensors, and of others."""
+SLOW_ONES = {"rate", "specific_force", "angle", "velocity", "field_b"}
 GRAVITY = 9.80665
 REST = (8.5, 11.2)
 """m/s2: specific force at rest or in steady flight with biases of up to 0.13 g."""
@@ -46,6 +49,7 @@ OUTSIDE = {  # whose medians lie in these bounds, in the player's units
 
 def doubts(samples: Samples) -> Iterator[str]:
     """Yield a sentence for each thing that cannot be so."""
+    yield from _times(samples)
     good = samples.only(samples.valid)
     values = {n: v[good.known[n]] if n in good.known else v for n, v in good.values.items() if good.sources[n].columns}
     values = {name: value for name, value in values.items() if len(value)}
@@ -64,6 +68,25 @@ def doubts(samples: Samples) -> Iterator[str]:
     yield from _angles(values)
     yield from _motion(good.time, values)
     yield from _air(values, good.known)
+
+
+def _times(samples: Samples) -> Iterator[str]:
+    """Find times that do not tell samples apart, or are in another unit."""
+    interval = np.diff(samples.time)
+    if not len(interval):
+        return
+    if (same := int(np.count_nonzero(interval == 0.0))) > len(interval) // 2:
+        yield (
+            f"time of {same} of {len(samples)} samples is that of the next one, so they are lost; another column may "
+            "tell them apart: --column time=..."
+        )
+        return
+    usual, slowest = float(np.median(interval[interval > 0.0])), SLOW if SLOW_ONES & set(samples.values) else SLOWEST
+    if not FAST <= usual <= slowest:
+        own = COMMON["s"]
+        fit = [n for n in alike(own) if n != "s" and 2e-3 <= usual * COMMON[n].factor <= slowest]
+        hint = f". Are the times in {' or '.join(fit)}? --unit time={fit[0]} says so" if fit else ""
+        yield f"time between samples is {usual:.4g} s; expected {FAST:g} to {slowest:g} s{hint}"
 
 
 def _within(name: str, size: np.ndarray, unit: str, bounds: tuple[float, float], what: str) -> Iterator[str]:
@@ -86,8 +109,9 @@ def _unit_hint(name: str, value: float, unit: str, bounds: tuple[float, float]) 
 
 def quiet(time: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Return means (k, 3) of a vector over the quietest tenth of all stretches of a second, at least one."""
-    step = max(round(1.0 / max(np.median(np.diff(time)), 1e-4)), 2) if len(time) > 2 else len(time)
-    count = max(len(time) // step, 1)
+    usual = max(float(np.median(np.diff(time))), 1e-4) if len(time) > 1 else 1.0
+    step = min(max(round(1.0 / usual), 2), len(time))
+    count = len(time) // step
     parts = vector[: count * step].reshape(count, -1, vector.shape[1])
     spread = parts.std(axis=1).sum(axis=1)
     return parts.mean(axis=1)[spread <= np.quantile(spread, 0.1)]

@@ -79,6 +79,11 @@ def _other_format(path: Path, kind: str, problem: Exception) -> NavfmuError:
 def of(path: str | Path, frame: pd.DataFrame, first_line: int | None = None) -> File:
     """Return the file of a frame, whose columns may have units in their names."""
     names, units = [], {}
+    told = [mark for mark in ";\t" if len(frame.columns) == 1 and mark in str(frame.columns[0])]
+    if told:
+        raise NavfmuError(f"{path}: the columns are separated by {told[0]!r}; expected commas, and points in numbers")
+    full = np.flatnonzero(frame.notna().any(axis=1).to_numpy())
+    frame = frame.iloc[: full[-1] + 1 if len(full) else 0]  # a text may end in empty lines
     for column in frame.columns:
         name = str(column).strip()
         with_unit = _WITH_UNIT.fullmatch(name)
