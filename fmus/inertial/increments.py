@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.inertial import coning, increments, sculling, series, shaping
-from navfmu.export import Bundle, Output, Parameter, State
+from navfmu.export import Bundle, Output, Parameter, State, require
 
 MOST = 4
 """Samples that a product of coning reaches over; its order is twice that."""
@@ -67,6 +67,14 @@ class Increments:
     velocity_sum = State(3, "m/s", description="velocity since the last increment")
     coning_sum = State(3, "rad", description="coning since the last increment")
     sculling_sum = State(3, "m/s", description="sculling since the last increment")
+
+    @require(
+        "coning_fits_lag is true and gyro_bandwidth is {gyro_bandwidth} Hz; with a sample_period of {sample_period} s "
+        "expected 0 or at least a tenth of the sampling rate, as products that fit a slower lag are mostly of noise"
+    )
+    def lag_can_be_fitted(self):
+        slow = np.logical_and(self.gyro_bandwidth > 0.0, self.gyro_bandwidth * self.sample_period < 0.1)
+        return np.logical_not(np.logical_and(self.coning_fits_lag, slow))
 
     def begin_increments(self, rate, specific_force, lag):
         """What is sensed when initialisation ends, and F^2 of the gyros' lag.

@@ -8,7 +8,8 @@ from scipy import signal
 
 from fmus.inertial.imu import Imu
 from models.inertial import bandwidth, cone, coning, sculling, series, shaping
-from tests.models.native import Native
+from navfmu.errors import NavfmuError
+from tests.models.native import Native, interpret
 from tests.models.rotation import matrix, together
 from tests.models.test_coning import PASSED, error_by_formula
 from tests.models.test_imu import QUIET
@@ -106,6 +107,15 @@ def test_numbers_that_do_not_fit_leave_what_the_lag_takes(native):
     leftover = error_by_formula(coning.before(3, "trapezoid"), 1, "trapezoid", a)
     assert found == pytest.approx(f * f * leftover + (1.0 - f * f), abs=3e-8)
     assert abs(drift(native, lag, 4, 20, True)) < 0.01 * abs(found)
+
+
+def test_a_lag_that_is_too_slow_is_refused():
+    """At 8 Hz and 100 samples a second the products would be 42 times those of the increments."""
+    sentence = "gyro_bandwidth is 8 Hz; with a sample_period of 0.01 s expected 0 or at least a tenth"
+    with pytest.raises(NavfmuError, match=sentence):
+        interpret(Imu, gyro_bandwidth=8.0, coning_fits_lag=True)
+    interpret(Imu, gyro_bandwidth=8.0)
+    interpret(Imu, gyro_bandwidth=10.0, coning_fits_lag=True)
 
 
 def test_accelerometers_later_than_gyros_scull_where_nothing_does(native):
