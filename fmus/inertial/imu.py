@@ -76,7 +76,9 @@ class Imu(
     example = Example(
         steps={"rate": (0.0, 0.0, 0.05), "specific_force": (0.0, 2.4, 0.0)},
         text="The readings step with the truth, offset by null shift and drift of each axis (tenths of a degree per "
-        "second with the gyros of this grade, some milli-g with the accelerometers) and under wide-band noise.",
+        "second with the gyros of this grade, some milli-g with the accelerometers) and under wide-band noise. The "
+        "increments are what a sample adds to angle and velocity.",
+        shows=("reading.rate", "reading.specific_force", "increment.angle", "increment.velocity"),
     )
 
     specific_force = Input(
