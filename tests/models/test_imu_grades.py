@@ -56,6 +56,47 @@ def test_units_of_the_thesis_have_the_numbers_of_table_3_1():
         assert values["accelerometer_noise_sigma"] == pytest.approx(1e-3 * G)
 
 
+PRINTED = {  # parameter, in what it is printed, and what is printed: RTO MP-43 (1999), AGARD CP-298 (1981)
+    "navigation": [("gyro_null_shift_sigma", DEG / HOUR, 0.01), ("accelerometer_null_shift_sigma", 1e-6 * G, 60.0)],
+    "gl_1": [
+        ("gyro_null_shift_sigma", DEG / HOUR, 0.01),
+        ("gyro_null_shift_temperature_sigma", DEG / HOUR, 0.003),
+        ("gyro_scale_factor_sigma", 1e-6, 10.0),
+        ("gyro_range", DEG, 360.0),
+        ("accelerometer_scale_factor_sigma", 1e-6, 100.0),
+        ("accelerometer_nonorthogonality_sigma", 1e-6, 40.0),
+    ],
+    "rlgn": [
+        ("gyro_null_shift_sigma", DEG / HOUR, 0.01),
+        ("gyro_scale_factor_sigma", 1e-6, [3.1, 2.5, 1.1]),
+        ("gyro_range", DEG, 800.0),
+        ("accelerometer_flicker", 1e-6 * G / 0.6643, [3.0, 16.0, 17.0]),
+        ("accelerometer_scale_factor_sigma", 0.01, [0.0012, 0.0014, 0.0009]),
+    ],
+    "ln_200": [
+        ("gyro_null_shift_sigma", DEG / HOUR, 3.0),
+        ("gyro_scale_factor_sigma", 1e-6, 300.0),
+        ("gyro_g_sensitivity_sigma", DEG / HOUR / G, 0.01),
+        ("accelerometer_null_shift_sigma", 1e-6 * G, 1500.0),
+        ("accelerometer_scale_factor_sigma", 1e-6, 1000.0),
+        ("accelerometer_nonorthogonality_sigma", 1e-6, 300.0),
+    ],
+    "micropak": [
+        ("gyro_null_shift_sigma", DEG / HOUR, 0.007),
+        ("gyro_scale_factor_sigma", 1e-6, 30.0),
+        ("gyro_g_sensitivity_sigma", DEG / HOUR / G, 0.008),
+        ("gyro_resolution", DEG / HOUR, 9.0),
+        ("accelerometer_resolution", 1e-6 * G, [15.26, 15.26, 61.0]),
+    ],
+}
+
+
+@pytest.mark.parametrize("unit", PRINTED)
+def test_units_of_data_sheets_have_what_is_printed(unit):
+    for name, factor, printed in PRINTED[unit]:
+        np.testing.assert_allclose(INERTIAL[unit].values[name] / factor, printed, rtol=1e-4, err_msg=name)
+
+
 WALKS = {  # deg / sqrt(h), as printed
     "navigation": (0.003,) * 3,
     "gl_1": (0.003,) * 3,
