@@ -62,7 +62,6 @@ COMMON = {  # units that people write in parameters and limits, whether or not t
         _unit("T", kg=1, s=-2, A=-1),
         _unit("%", 0.01),
         _unit("ppm", 1e-6),
-        _unit("us", 1e-6, s=1),
         _unit("ms", 1e-3, s=1),
         _unit("min", 60.0, s=1),
         _unit("h", 3600.0, s=1),
@@ -82,7 +81,6 @@ COMMON = {  # units that people write in parameters and limits, whether or not t
         _unit("uT", 1e-6, kg=1, s=-2, A=-1),
         _unit("nT", 1e-9, kg=1, s=-2, A=-1),
         _unit("mG", 1e-7, kg=1, s=-2, A=-1),
-        _unit("G", 1e-4, kg=1, s=-2, A=-1),
         _unit("degC", 1.0, 273.15, K=1),
     )
 }

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
-from navfmu.fmi.units import COMMON, alike, conversion
+from navfmu.fmi.units import conversion
+from navfmu.recorded.replay.units import UNITS, alike
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 TIME_UNITS = {"time": "s", "time_of_validity": "s"}
@@ -131,12 +132,11 @@ def scale(text: str, unit: str, what: str) -> tuple[float, float]:
         return factor, 0.0
     if not name:
         raise NavfmuError(f"{what}: '{text}' has no unit; expected one, as in '1e-3 {unit}'")
-    own = COMMON[unit]
-    fitting = alike(own)
-    if name not in COMMON:
+    fitting = alike(unit)
+    if name not in UNITS:
         expected = f"expected {' or '.join(fitting)}, perhaps with a factor, as in '1e-3 {unit}'"
         raise NavfmuError(f"{what}: the unit '{name}' is not known here; {expected}{nearest(name, fitting)}")
-    by, offset = conversion(COMMON[name], own, what)
+    by, offset = conversion(UNITS[name], UNITS[unit], what)
     return factor * by, offset
 
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navfmu.fmi.units import COMMON, alike
 from navfmu.recorded.replay.samples import Samples
+from navfmu.recorded.replay.units import UNITS, alike
 
 FAST, SLOW, SLOWEST = 1e-5, 1.0, 30.0
 """s: the shortest usual time between samples, and the longest of inertial and magnetic sensors, and of others."""
@@ -83,8 +83,7 @@ def _times(samples: Samples) -> Iterator[str]:
         return
     usual, slowest = float(np.median(interval[interval > 0.0])), SLOW if SLOW_ONES & set(samples.values) else SLOWEST
     if not FAST <= usual <= slowest:
-        own = COMMON["s"]
-        fit = [n for n in alike(own) if n != "s" and 2e-3 <= usual * COMMON[n].factor <= slowest]
+        fit = [n for n in alike("s") if n != "s" and 2e-3 <= usual * UNITS[n].factor <= slowest]
         hint = f". Are the times in {' or '.join(fit)}? --unit time={fit[0]} says so" if fit else ""
         yield f"time between samples is {usual:.4g} s; expected {FAST:g} to {slowest:g} s{hint}"
 
@@ -102,8 +101,7 @@ def _within(name: str, size: np.ndarray, unit: str, bounds: tuple[float, float],
 def _unit_hint(name: str, value: float, unit: str, bounds: tuple[float, float]) -> str:
     """Say which units would do, if there are."""
     low, high = bounds
-    own = COMMON[unit]
-    fit = [n for n in alike(own) if n != unit and low <= value * COMMON[n].factor + COMMON[n].offset <= high]
+    fit = [n for n in alike(unit) if n != unit and low <= value * UNITS[n].factor + UNITS[n].offset <= high]
     return f". Are the numbers in {' or '.join(fit)}? --unit {name}='{fit[0]}' says so" if fit else ""
 
 
@@ -225,7 +223,7 @@ def _motion(time: np.ndarray, values: dict[str, np.ndarray]) -> Iterator[str]:
 
 def _motion_hint(flown: np.ndarray, carried: np.ndarray, level: float) -> str:
     """Say which order, signs or unit would bring the velocity together with the positions, if any does."""
-    speeds = [(name, COMMON[name].factor) for name in ("m/s", *(n for n in alike(COMMON["m/s"]) if n != "m/s"))]
+    speeds = [(name, UNITS[name].factor) for name in ("m/s", *(n for n in alike("m/s") if n != "m/s"))]
     for unit, factor in speeds:
         for places in itertools.permutations(range(3), 2):
             for signs in itertools.product((1.0, -1.0), repeat=2):
@@ -244,7 +242,7 @@ def _rms(x: np.ndarray) -> float:
 
 
 def _factor_hint(name: str, factor: float, unit: str) -> str:
-    fit = [n for n in alike(COMMON[unit]) if n != unit and 0.9 < factor * COMMON[n].factor < 1.1]
+    fit = [n for n in alike(unit) if n != unit and 0.9 < factor * UNITS[n].factor < 1.1]
     return f". Are the numbers in {fit[0]}? --unit {name}='{fit[0]}' says so" if fit else ""
 
 
