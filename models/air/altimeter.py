@@ -29,8 +29,8 @@ def indicated(pressure_altitude, setting):
 
 
 def distance_decay(speed, period, distance):
-    """phi of (2) at a horizontal speed, m/s."""
-    return np.exp(-speed * period / distance)
+    """phi of (2) at a horizontal speed, m/s; 1 for one that is no number."""
+    return np.exp(-np.fmax(speed, 0.0) * period / distance)
 
 
 def noise_sigma(constant, slope, height):

@@ -58,7 +58,7 @@ def settled(reference, differences, openings):
     openings
         g_i, of each; nothing flows through one of less than 0.
     """
-    openings = [np.maximum(opening, 0.0) for opening in openings]
+    openings = [np.fmax(opening, 0.0) for opening in openings]
     total = sum(openings)
     flow = sum(opening * difference for opening, difference in zip(openings, differences, strict=True))
     return reference + flow / np.maximum(total, SMALLEST), total
@@ -67,10 +67,12 @@ def settled(reference, differences, openings):
 def behind(value, before, now, ratio):
     """Output of a first-order lag one period later: exact for an input that goes evenly from ``before`` to ``now``.
 
-    ``ratio`` is the time constant by the period; 0 is no lag at all.
+    ``ratio`` is the time constant by the period; 0 is no lag at all. What is no number is forgotten: the lag begins
+    anew.
     """
     decay = np.exp(-1.0 / np.maximum(ratio, 1e-3))
-    return now + decay * (value - before) - (now - before) * ratio * (1.0 - decay)
+    later = now + decay * (value - before) - (now - before) * ratio * (1.0 - decay)
+    return np.where(np.isfinite(value + before), later, now)
 
 
 def filled(line, before, now, opening, ratio):
@@ -92,10 +94,11 @@ def filled(line, before, now, opening, ratio):
 
 def past_water(shown, line, height):
     """Pressure at the instrument, (3): what it was, as near to the line's as the water (m) holds it off."""
-    held_off = WATER * np.maximum(height, 0.0)
-    return np.clip(shown, line - held_off, line + held_off)
+    held_off = WATER * np.fmax(height, 0.0)
+    return np.clip(np.where(np.isfinite(shown), shown, line), line - held_off, line + held_off)
 
 
 def grown(ice, target, period, freezing_time, melting_time):
     """Share of an opening that ice closes, a period later: evenly towards the target, in these times from 0 to 1, s."""
-    return np.clip(np.clip(target, 0.0, 1.0), ice - period / melting_time, ice + period / freezing_time)
+    target = np.fmin(np.fmax(target, 0.0), 1.0)  # 0 for what is no number
+    return np.clip(target, ice - period / melting_time, ice + period / freezing_time)

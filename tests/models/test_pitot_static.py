@@ -432,3 +432,31 @@ def test_drain_blocked_alone_reads_high_by_its_share(fly):
 @pytest.mark.parametrize("name", ["pitot_ice", "static_leak", "pitot_leak", "static_water", "pitot_water"])
 def test_a_fault_of_less_than_nothing_is_none(fly, name):
     assert equal(fly(5.0, faults={name: (1.0, 99.0, -0.5)}), fly(5.0), 0.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    "name", ["altitude", "velocity_n", "wind_n", "sea_level_pressure", "pitot_ice", "static_water"]
+)
+@pytest.mark.parametrize("lag", [0.0, 0.2])
+def test_what_is_no_number_is_forgotten(fly, name, lag):
+    """NaN for half a second: afterwards the readings are what they were, as soon as they would be after a start."""
+    start = {"wind_n": 0.0, "sea_level_pressure": 101325.0, "pitot_ice": 0.0, "static_water": 0.0}
+
+    def inputs(t):
+        bad = 2.0 < t < 2.5
+        if name == "velocity_n":
+            return {name: np.full(3, np.nan)} if bad else {}
+        if name == "altitude":
+            return {name: np.nan} if bad else {}
+        return {name: np.full_like(start[name], np.nan) if bad else start[name]}
+
+    parameters = {
+        "static_lag_time": lag,
+        "total_lag_time": lag,
+        "temperature_lag_time": lag,
+        "altitude_field_sigma": 5.0,
+    }
+    run, clean = fly(6.0, inputs=inputs, **parameters), fly(6.0, **parameters)
+    assert equal(run, clean, 0.0, 2.0)
+    for reading in clean:
+        np.testing.assert_allclose(run[reading][-10:], clean[reading][-10:], rtol=1e-6, atol=1e-6)
