@@ -454,7 +454,6 @@ def test_what_is_no_number_is_forgotten(fly, name, lag):
         "static_lag_time": lag,
         "total_lag_time": lag,
         "temperature_lag_time": lag,
-        "altitude_field_sigma": 5.0,
     }
     run, clean = fly(6.0, inputs=inputs, **parameters), fly(6.0, **parameters)
     assert equal(run, clean, 0.0, 2.0)
