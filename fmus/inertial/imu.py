@@ -212,9 +212,10 @@ class Imu(
         """What gyros and accelerometers show but for their lags: axes, sensitivity to force, scale factors."""
         gyros, accelerometers = self.triads()
         rate, force = self.shaken(self.rate, self.force_at_the_arm())
+        felt = axes.turned(gyros.axes @ force, self.misalignment_change)
         force = axes.turned(accelerometers.axes @ force, self.misalignment_change)
         rate = axes.turned(gyros.axes @ rate, self.misalignment_change)
-        rate = rate + self.force_to_rate @ force + self.gyro_g_sensitivity_change * force
+        rate = rate + self.force_to_rate @ felt + self.gyro_g_sensitivity_change * felt
         return gyros.scaled(rate, self.warmer()), accelerometers.scaled(force, self.warmer())
 
     @every("drift_period")

@@ -58,11 +58,11 @@ def test_axes_that_lean_show_a_part_of_the_others():
 
 
 def test_gyros_feel_specific_force_by_a_matrix():
-    """Row: gyro; column: axis of the force. A transposed matrix, or the true axes, would be seen."""
+    """Row: gyro; column: axis of the force. A transposed matrix, or the axes of the accelerometers, would be seen."""
     matrix = np.arange(9.0).reshape(3, 3) * 1e-5
-    rate, force = sample(gyro_g_sensitivity=matrix)
+    rate, force = sample(gyro_g_sensitivity=matrix, accelerometer_nonorthogonality=0.1)
     np.testing.assert_allclose(rate, RATE + matrix @ FORCE, rtol=1e-14)
-    np.testing.assert_array_equal(force, FORCE)
+    np.testing.assert_allclose(force, FORCE + np.array([0.0, 0.1, 0.3]), rtol=1e-13)
 
 
 def test_beyond_the_range_it_shows_the_range_in_readings_and_increments(native):
@@ -193,3 +193,53 @@ def test_each_element_of_the_sensitivity_to_force_is_drawn(native):
     low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 1800) / 1800
     assert low < np.mean(values**2) / 1e-8 < high
     assert np.max(np.abs(np.corrcoef(values.T) - np.eye(9))) < 5.5 / np.sqrt(200)
+
+
+def test_native_code_is_the_equations_with_all_errors_at_once(native):
+    """What is off by default is off in the comparison of all twins: here everything acts, for 3 s of a shaken turn."""
+    everything = {
+        "seed": 9,
+        "misalignment": (0.01, -0.02, 0.03),
+        "gyro_g_sensitivity": np.arange(9.0).reshape(3, 3) * 1e-5,
+        "gyro_g_sensitivity_sigma": 1e-5,
+        "self_heating": 5.0,
+        "thermal_time": 2.0,
+        "temperature": 303.15,
+        "calibration_temperature": 290.0,
+        "wander_period": 0.25,
+        "flicker_time": 0.4,
+        "latency": 2,
+        "misalignment_change": (0.001, 0.002, 0.003),
+        "gyro_g_sensitivity_change": (1e-5, 0.0, 1e-5),
+        "angle_quantum": 1e-5,
+    }
+    for sensor, unit, order in (("gyro", 1e-3, 1), ("accelerometer", 1e-2, 2)):
+        everything |= {
+            f"{sensor}_scale_factor_asymmetry": 0.01,
+            f"{sensor}_scale_factor_temperature": 1e-3,
+            f"{sensor}_null_shift_temperature_sigma": unit,
+            f"{sensor}_nonorthogonality_sigma": 0.01,
+            f"{sensor}_bandwidth": 8.0,
+            f"{sensor}_lag_order": order,
+            f"{sensor}_flicker": unit,
+            f"{sensor}_walk_sigma": 10.0 * unit,
+            f"{sensor}_range": 1e4 * unit,
+            f"{sensor}_resolution": (0.0, unit, 0.0),
+            f"{sensor}_scale_factor_change": 0.02,
+        }
+
+    def truth(t):
+        return {"rate": (np.sin(5.0 * t), 0.2, np.cos(3.0 * t)), "specific_force": (np.cos(7.0 * t), 1.0, -9.0)}
+
+    names = [*RECORD, "increment.angle", "increment.velocity", "sensor_temperature"]
+    run, twin = native.run(3.0, 0.01, names, everything, truth), interpret(Imu, **everything)
+    found = {name: [np.array(twin.get(name))] for name in names}
+    for k in range(300):
+        for name, value in truth(0.01 * k).items():
+            twin.set(name, value)
+        twin.do_step(0.01 * k, 0.01)
+        for name in names:
+            found[name].append(np.array(twin.get(name)))
+    for name in names:
+        assert np.ptp(run[name][10:]) > 0.0
+        np.testing.assert_allclose(run[name], np.array(found[name]), rtol=1e-9, atol=1e-12, err_msg=name)
