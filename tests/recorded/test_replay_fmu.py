@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import ambiance
 import fmpy
 import numpy as np
@@ -15,6 +18,7 @@ from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.file import of
 from navfmu.recorded.replay.importer import import_samples
 from tests import built
+from tests.conformance import hosts
 from tests.recorded import samples
 
 SENSORS = {  # made recording, bundle, and the columns of its numbers
@@ -168,6 +172,28 @@ def test_recordings_of_all_modelled_sensors_navigate_as_these_did_bit_for_bit(pl
     for name in failed.columns:
         np.testing.assert_array_equal(failed[name], disturbed[name], err_msg=name)
     assert not np.array_equal(failed["ahrs.attitude.heading"], again["ahrs.attitude.heading"])
+
+
+def test_masters_of_others_take_the_file_in_the_place_of_the_sensors_too(player, tmp_path_factory, tmp_path):
+    """libcosim and Ecos refuse a system whose FMU lacks what the document connects or lists."""
+    from system_ssp.backup_navigator.system import COMPONENTS, source
+
+    step, steps = 1.0 / 64.0, 640
+    fmus = {name: built.fmu(name, tmp_path_factory) for name in COMPONENTS}
+    folder = tmp_path / "recorded"
+    source(built.folder(tmp_path_factory)).write(folder)
+    frame = samples.imu(samples.stamps(600, 0.017, 0.02))
+    (folder / "resources" / "imu.fmu").unlink()
+    fmus["imu"] = import_samples(of("made.csv", frame), player("imu")).write(folder / "resources" / "imu.fmu")
+    package = Path(shutil.make_archive(str(tmp_path / "recorded"), "zip", folder)).rename(tmp_path / "recorded.ssp")
+    last = frame[frame["time"] <= step * steps].iloc[-1]
+    for values in (
+        hosts.libcosim_ssp(folder, fmus, step, steps),
+        hosts.ecos_library_ssp(package, fmus, step, steps),
+    ):
+        assert values["imu"]["reading.sequence"] == last.name + 1
+        assert values["imu"]["reading.specific_force[2]"] == last["specific_force_y"]
+        assert values["ahrs"]["attitude.sequence"] > 100
 
 
 def _recorded(frame, bundle):
