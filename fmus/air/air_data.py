@@ -60,8 +60,8 @@ class AirData(Component):
     moment is published with it: 2.6 m/s at sea level are 4 m/s at 8.5 km. Given errors and faults are not in it.
 
     A port that is blocked before the first sample keeps the pressure of the first sample; a line starts with the
-    pressure at which it settles. `valid` is false where the pressure altitude is not within -5 to 20 km, for which the
-    standard atmosphere is here.
+    pressure at which it settles, the vertical speed with 0. `valid` is false where the pressure altitude is not within
+    -5 to 20 km, for which the standard atmosphere is here, and where the Mach number is none.
     """
 
     name = "air_data"
@@ -402,7 +402,7 @@ class AirData(Component):
         self.follow(pressure_altitude)
         self.sampled = True
         self.air.publish(
-            valid=atmosphere.is_known(pressure_altitude),
+            valid=atmosphere.is_known(pressure_altitude) & np.isfinite(mach),
             calibrated_airspeed=indicated,
             true_airspeed=atmosphere.speed_of_sound(measured_temperature) * mach,
             true_airspeed_sigma=sigma,

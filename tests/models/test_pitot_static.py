@@ -107,6 +107,18 @@ def test_outside_the_standard_atmosphere_the_reading_is_not_valid(height, valid)
     assert run.get("air.valid") == valid and run.get("air.sequence") == 1
 
 
+@pytest.mark.parametrize("name", ["altitude", "velocity_n", "wind_n", "sea_level_pressure", "temperature_deviation"])
+def test_without_a_number_the_reading_is_not_valid_until_there_is_one(name):
+    run = interpret(AirData, **QUIET)
+    before = run.get(name)
+    seen = []
+    for k, value in enumerate((before, np.full_like(before, np.nan), before)):
+        run.set(name, value)
+        run.do_step(k * PERIOD, PERIOD)
+        seen.append(bool(run.get("air.valid")))
+    assert seen == [True, False, True]
+
+
 def test_the_altimeter_shows_the_field_with_its_setting(fly):
     """On a day of p' at sea level with the standard temperature, h_i = H (p'/p_0)^(R lambda/g): 0 at sea level."""
     for height in (0.0, 1000.0):
