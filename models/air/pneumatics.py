@@ -5,7 +5,7 @@ time constant (Hagen and Poiseuille; for pitot-static tubing in Gracey, NASA RP-
 
     tau = 128 mu L C / (pi d^4 p),    tau = tau_0 (p_0 / p) (mu / mu_0),                                          (1)
 
-0.02 s with 5 m of 4.7 mm and 0.3 l at sea level, and four times as much at 11 km. A line has several openings: a port,
+0.02 s with 5 m of 4.7 mm and 0.3 l at sea level, and 3.6 times as much at 11 km. A line has several openings: a port,
 a drain hole, a leak. With g_i the flow through one of them, relative to that through the clear tube, and p_i the
 pressure before it,
 
