@@ -101,28 +101,31 @@ class AirData(Component):
         display_unit="hPa",
         description="the pilot's setting of the altimeter, QNH (standard: 1013.25 hPa)",
     )
-    pitot_blocked = Input(kind="boolean", fault=True, description="fault F21: pitot tube and its drain blocked")
-    pitot_inlet_blocked = Input(kind="boolean", fault=True, description="fault F20: pitot tube blocked, drain open")
+    pitot_blocked = Input(kind="boolean", fault=True, description="fault: pitot tube and its drain blocked (F21)")
+    pitot_inlet_blocked = Input(kind="boolean", fault=True, description="fault: pitot tube blocked, drain open (F20)")
     drain_blocked = Input(kind="boolean", fault=True, description="fault: drain of the pitot tube blocked")
     pitot_ice = Input(
         "1",
         min=0.0,
         max=1.0,
         fault=True,
-        description="fault F23: share of the pitot tube's inlet that ice closes in the end; 0: it melts",
+        description="fault: share of the pitot tube's inlet that ice closes in the end; 0: it melts (F23)",
     )
-    static_blocked = Input(kind="boolean", fault=True, description="fault F22: static port blocked")
+    static_blocked = Input(kind="boolean", fault=True, description="fault: static port blocked (F22)")
     alternate_static = Input(
-        kind="boolean", fault=True, description="fault F24: the alternate static source, cabin air, is selected"
+        kind="boolean", fault=True, description="fault: the alternate static source, cabin air, is selected (F24)"
     )
     static_leak = Input(
-        "1", min=0.0, fault=True, description="fault F24: leak of the static line into the cabin, by the clear opening"
+        "1",
+        min=0.0,
+        fault=True,
+        description="fault: leak of the static line into the cabin, by the clear opening (F24)",
     )
     pitot_leak = Input(
-        "1", min=0.0, fault=True, description="fault F24: leak of the pitot line into the cabin, by the clear opening"
+        "1", min=0.0, fault=True, description="fault: leak of the pitot line into the cabin, by the clear opening (F24)"
     )
     lines_swapped = Input(
-        kind="boolean", fault=True, description="fault F25: pitot and static line at each other's instrument"
+        kind="boolean", fault=True, description="fault: pitot and static line at each other's instrument (F25)"
     )
     static_water = Input("m", min=0.0, fault=True, description="fault: height of the water in the static line")
     pitot_water = Input("m", min=0.0, fault=True, description="fault: height of the water in the pitot line")
