@@ -153,6 +153,24 @@ def test_the_autopilot_flies_the_plan(flown):
     assert np.degrees(np.max(flown["roll"])) == pytest.approx(np.degrees(np.arctan(SPEED * np.radians(3) / 9.8)), abs=5)
 
 
+@pytest.mark.parametrize("speed", [30.0, 60.0])
+@pytest.mark.parametrize("altitude", [100.0, 4000.0])
+def test_it_flies_at_the_corners_of_what_it_takes(speed, altitude):
+    """Straight, a turn at 2 deg/s, straight: catches gains that swing at low or high speed, and an engine too weak."""
+    plan = FlightPlan(
+        0.65, -2.0, altitude, 1.0, speed,
+        (straight(20.0, speed), turn(np.radians(60.0), np.radians(2.0), speed), straight(40.0, speed)),
+    )  # fmt: skip
+    flight = begun(**plan.parameters())
+    for k in range(90):
+        flight.do_step(float(k), 1.0)
+    north, east, _ = flight.get("velocity_n")
+    assert abs(wrapped(np.arctan2(east, north) - 1.0 - np.radians(60.0))) < np.radians(2.0)
+    assert abs(flight.get("altitude") - altitude) < 3.0
+    assert abs(flight.get("true_airspeed") - speed) < 1.0
+    assert abs(flight.get("roll")) < np.radians(2.0)
+
+
 def test_the_flight_is_the_same_at_every_communication_step_and_after_a_reset():
     flights = []
     for step in (0.01, 0.05, 0.25):
