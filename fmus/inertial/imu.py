@@ -198,7 +198,7 @@ class Imu(
         self.begin_rates()
         for sensors, scaled in zip(both, self.scaled(), strict=True):
             sensors.settle(scaled)
-        sensed = (sensors.sensed(sensors.lagged[0], self.warmer()) for sensors in both)
+        sensed = (sensors.within(sensors.sensed(sensors.lagged[0], self.warmer())) for sensors in both)
         gyros, _ = both
         self.begin_increments(
             *sensed, shaping.squared(gyros.transition, (gyros.delay, gyros.inverse), self.sample_period)
@@ -212,9 +212,8 @@ class Imu(
         """What gyros and accelerometers show but for their lags: axes, sensitivity to force, scale factors."""
         gyros, accelerometers = self.triads()
         rate, force = self.shaken(self.rate, self.force_at_the_arm())
-        felt = axes.turned(gyros.axes @ force, self.misalignment_change)
-        force = axes.turned(accelerometers.axes @ force, self.misalignment_change)
-        rate = axes.turned(gyros.axes @ rate, self.misalignment_change)
+        rate, force = (axes.turned(vector, self.misalignment_change) for vector in (rate, force))
+        felt, force, rate = gyros.axes @ force, accelerometers.axes @ force, gyros.axes @ rate
         rate = rate + self.force_to_rate @ felt + self.gyro_g_sensitivity_change * felt
         return gyros.scaled(rate, self.warmer()), accelerometers.scaled(force, self.warmer())
 
@@ -233,15 +232,18 @@ class Imu(
         self.remember_rate()
         rate = gyros.sensed(gyros.follow(rate, self.period), self.warmer())
         force = accelerometers.sensed(accelerometers.follow(force, self.period), self.warmer())
-        rate_noise, force_noise = gyros.noise_sigma * noise(3), accelerometers.noise_sigma * noise(3)
+        noisy_rate = rate + gyros.noise_sigma * noise(3)
+        noisy_force = force + accelerometers.noise_sigma * noise(3)
         self.taken = self.taken + 1
         self.reading.publish(
-            rate=gyros.leave(gyros.read(rate, rate_noise), self.latency),
-            specific_force=accelerometers.leave(accelerometers.read(force, force_noise), self.latency),
+            rate=gyros.leave(gyros.read(noisy_rate), self.latency),
+            specific_force=accelerometers.leave(accelerometers.read(noisy_force), self.latency),
             time_of_validity=self.time - self.latency * self.period,
             when=self.taken > self.latency,
         )
-        self.integrate(rate, force, rate_noise, force_noise)
+        rate, noisy_rate = gyros.within(rate), gyros.within(noisy_rate)
+        force, noisy_force = accelerometers.within(force), accelerometers.within(noisy_force)
+        self.integrate(rate, force, noisy_rate - rate, noisy_force - force)
 
     @every("wander_period")
     def wander(self, noise):

@@ -168,12 +168,15 @@ class Triad:
 
     def sensed(self, seen, warmer):
         """What is sensed, without wide-band noise."""
-        sensed = inertial.sense(seen, self.bias, self.drift, self.wander, self.warming * warmer)
+        return inertial.sense(seen, self.bias, self.drift, self.wander, self.warming * warmer)
+
+    def within(self, sensed):
+        """What is sensed, within the range."""
         return quantiser.within(sensed, self.range)
 
-    def read(self, sensed, noise):
-        """The reading of what is sensed: in range, in whole steps."""
-        return quantiser.rounded(quantiser.within(sensed + noise, self.range), self.resolution)
+    def read(self, sensed):
+        """The reading of what is sensed with its noise: in whole steps, in range."""
+        return quantiser.reading(sensed, self.range, self.resolution)
 
     def leave(self, reading, late):
         """The reading that leaves the unit, ``late`` samples old."""

@@ -10,7 +10,7 @@ the thesis leaves to "a more complete error model" (p. 40) enters where it does 
     s_k = (1 + s_f + s_T dT) s_g + s_a |s_g|    scale factor, its warming, its asymmetry       (:func:`scaled`)
     s_l                                 s_k behind the sensor's own lag                        (bandwidth)
     s_n = s_l + b_0 + b_1 + b_2 + b_T dT                                                       (:func:`sense`)
-    s_m = s_n + b_w                     within the range, in whole steps, some samples late    (quantiser, latency)
+    s_m = s_n + b_w                     in whole steps within the range, some samples late     (quantiser, latency)
 
 b_2 is what wanders without a time constant of its own: flicker and rate random walk (flicker, random_walk); dT is the
 temperature of the sensors above that of their calibration (heating).

@@ -14,7 +14,10 @@ def within(value, largest):
     return np.where(largest > 0.0, np.clip(value, -largest, largest), value)
 
 
-def rounded(value, step):
-    """The whole multiple of ``step`` that is nearest to the value."""
+def reading(value, largest, step):
+    """The whole multiple of ``step`` that is nearest to the value, of those within ``largest`` to both sides."""
     unit = np.where(step > 0.0, step, 1.0)
-    return np.where(step > 0.0, unit * np.rint(value / unit), value)
+    steps = np.rint(value / unit)
+    most = np.floor(largest / unit * (1.0 + 1e-12))
+    counted = unit * np.where(largest > 0.0, np.clip(steps, -most, most), steps)
+    return np.where(step > 0.0, counted, within(value, largest))

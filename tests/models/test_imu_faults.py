@@ -58,6 +58,14 @@ def test_f13_a_change_shows_at_once_and_leaves_nothing_behind(native, fault):
             np.testing.assert_allclose(difference, np.broadcast_to(expected, difference.shape), atol=off)
 
 
+def test_f13_a_unit_that_turns_takes_its_leaning_axes_along(native):
+    """It turns first and then leans: of a force along z, z shows a tenth of what x does. The other way it does not."""
+    parameters = {**QUIET, "accelerometer_nonorthogonality": (0.0, 0.1, 0.0), "misalignment_change": (0.0, 0.05, 0.0)}
+    force = native.run(0.01, 0.01, RECORD, {**parameters, "specific_force": (0.0, 0.0, -9.0)})["reading.specific_force"]
+    x, z = -np.cross((0.0, 0.05, 0.0), (0.0, 0.0, -9.0))[0], -9.0
+    np.testing.assert_allclose(force[1], [x, 0.0, z + 0.1 * x], atol=1e-14)
+
+
 def test_f13_a_scale_factor_that_jumps_is_seen_in_turns_only(native):
     parameters = {**QUIET, "gyro_scale_factor_change": 0.05}
     still = native.run(0.1, 0.01, RECORD, {**parameters, "rate": (0.0, 0.0, 0.0)})["reading.rate"]
