@@ -135,7 +135,7 @@ class Imu(
         start=ROOM,
         min=0.0,
         display_unit="degC",
-        description="temperature of the sensors without errors of temperature",
+        description="temperature of the sensors at which it causes no errors",
     )
     sample_period = Parameter("s", start=0.01, min=1e-4, max=1.0, description="sampling period")
     drift_period = Parameter("s", start=0.1, min=1e-4, max=10.0, description="period at which the drift is advanced")

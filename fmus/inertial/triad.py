@@ -19,7 +19,7 @@ from navfmu.export import Component, Input, Parameter, State
 CONSTANT = {
     "null_shift": ("bias", "{unit}", "{display}", None, "null shift, b_0 of thesis (3.3)"),
     "scale_factor": ("gain_error", "1", None, 0.5, "scale factor error, s_f of thesis (3.2)"),
-    "scale_factor_asymmetry": ("asymmetry", "1", None, 0.5, "half of by how much the gain is larger where s > 0"),
+    "scale_factor_asymmetry": ("asymmetry", "1", None, 0.5, "half of what the gain is more where s > 0"),
     "scale_factor_temperature": ("gain_warming", "1/K", None, 0.1, "change of the scale factor with temperature"),
     "null_shift_temperature": ("warming", "{unit}/K", None, None, "change of the null shift with temperature"),
     "nonorthogonality": ("leaning", "rad", "deg", 0.2, "angles by which y leans toward x, z toward x, z toward y"),
@@ -55,7 +55,7 @@ def triad(sensor: str, plural: str, unit: str, displays: tuple[str, str], grade:
         shown = shown and shown.format(display=slow)
         low, some = (None, None) if most is None else (-most, most / 5.0)
         declared |= {
-            name: parameter(name, 3, own, min=low, max=most, display_unit=shown, description=f"given part of {what}"),
+            name: parameter(name, 3, own, min=low, max=most, display_unit=shown, description=f"{what}: given part"),
             f"{name}_sigma": parameter(
                 f"{name}_sigma",
                 3,
@@ -63,14 +63,20 @@ def triad(sensor: str, plural: str, unit: str, displays: tuple[str, str], grade:
                 min=0.0,
                 max=some,
                 display_unit=shown,
-                description=f"standard deviation of the part that is drawn at turn-on of {what}",
+                description=f"{what}: standard deviation of the part drawn at turn-on",
             ),
             held: state(3, own, description=f"{what}, after turn-on"),
         }
     declared |= {
-        "drift_sigma": each("drift_sigma", "standard deviation of the drift b_1, thesis (3.3)-(3.5)"),
-        "drift_time": parameter("drift_time", "s", min=1.0, description="correlation time of the drift b_1"),
-        "noise_sigma": each("noise_sigma", "standard deviation of the wide-band noise b_w of a sample", fast),
+        "drift_sigma": each(
+            "drift_sigma", "standard deviation of the drift b_1, thesis (3.4)-(3.5); starts as Table 3.2, automotive"
+        ),
+        "drift_time": parameter(
+            "drift_time", "s", min=1.0, description="correlation time of the drift b_1; starts as Table 3.2, automotive"
+        ),
+        "noise_sigma": each(
+            "noise_sigma", "wide-band noise b_w of a sample, standard deviation; starts as Table 3.2, automotive", fast
+        ),
         "flicker": each("flicker", "bias instability B: the Allan deviation has a floor of 0.664 B"),
         "walk_sigma": each("walk_sigma", "rate random walk: standard deviation of its change in an hour, K sqrt(1 h)"),
         "bandwidth": parameter("bandwidth", "Hz", min=0.0, description="bandwidth of the sensors' lag; 0: no lag"),

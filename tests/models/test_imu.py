@@ -6,6 +6,7 @@ from scipy import stats
 
 from fmus.grades import GRADES
 from fmus.inertial.imu import Imu
+from navfmu.export.noise import Normals
 from tests.models.native import Native, interpret
 
 CALIBRATED = {
@@ -193,3 +194,25 @@ def test_grades_are_the_numbers_of_the_thesis():
         assert GRADES["consumer"][name] == pytest.approx(2 * GRADES["automotive"][name])
     for grade in GRADES.values():
         assert set(grade) <= set(Imu.layout.fields)
+
+
+def test_which_number_is_whose_is_kept():
+    """Readings of the start values, from (3.2)-(3.5) with the numbers in their places; whoever adds an error adds its
+    numbers behind these, or all recorded figures of the systems change for nothing."""
+    run = interpret(Imu, seed=7, rate=(0.1, -0.2, 0.3))
+    p = {name: np.array(run.get(name)) for name in Imu.layout.fields if name.endswith(("_sigma", "_time"))}
+    stream = run.get("stream")
+    n = Normals(7, stream, 0, 0)(21)
+    turn = p["misalignment_sigma"] * n[12:15]
+    decay = np.exp(-0.1 / p["gyro_drift_time"])
+    drift = p["gyro_drift_sigma"] * n[6:9]
+    gain, shift = 1.0 + p["gyro_scale_factor_sigma"] * n[15:18], p["gyro_null_shift_sigma"] * n[0:3]
+    true = np.array([0.1, -0.2, 0.3])
+    for k in range(1, 25):
+        run.do_step(0.01 * (k - 1), 0.01)
+        if k % 10 == 0:
+            drive = p["gyro_drift_sigma"] * np.sqrt(1.0 - decay**2)
+            drift = decay * drift + drive * Normals(7, stream, k // 10, 1)(6)[:3]
+        noise = p["gyro_noise_sigma"] * Normals(7, stream, k, 2)(6)[:3]
+        expected = gain * (true - np.cross(turn, true)) + shift + drift + noise
+        np.testing.assert_allclose(run.get("reading.rate"), expected, rtol=1e-12)
