@@ -264,6 +264,7 @@ def test_gaps_repeats_and_equal_times_are_told(take):
     """Counts against what was put in by hand."""
     frame = IMU.drop(index=range(1000, 1030)).reset_index(drop=True)
     frame.loc[501:504, RATE + FORCE] = frame.loc[500, RATE + FORCE].to_numpy()
+    frame.loc[700, RATE + FORCE] = frame.loc[699, RATE + FORCE]
     time = frame["time"].to_numpy()
     twice = 2000 + int(np.argmin(time[2001:2901] - time[1999:2899]))  # what it leaves before it is no gap
     frame.loc[twice, "time"] = time[twice + 1]
@@ -273,12 +274,12 @@ def test_gaps_repeats_and_equal_times_are_told(take):
     assert re.search(
         rf"1 gap\(s\) of more than 0.03\d* s; the longest lasts {lasts:.3g} s from {frame.time[999]:.3f} s", told
     )
-    assert "4 sample(s) repeat the values of the one before, up to 4 in a row" in told
+    assert "5 sample(s) repeat the values of the one before, up to 4 in a row" in told
     assert "1 sample(s) have the time of the next one; they are lost" in told
     numbers = columns(imported)["sequence"]
     assert len(numbers) == len(frame) - 1 and twice + 1.0 not in numbers and numbers[-1] == len(frame)
     changes = columns(take("imu", frame, changes_only=True))
-    assert len(changes["time"]) == len(frame) - 5
+    assert len(changes["time"]) == len(frame) - 6
 
 
 def test_what_is_not_plausible_is_taken_when_told_so(take):

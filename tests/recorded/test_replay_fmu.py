@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 from scipy.optimize import brentq
 
 from navfmu import Fault, System
+from navfmu.recorded.replay.account import lost
 from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.file import of
 from navfmu.recorded.replay.importer import import_samples
@@ -89,6 +90,14 @@ def test_publishes_each_sample_at_the_first_tick_not_before_its_time_with_its_bi
         np.testing.assert_array_equal(result[f"{bundle}.{name}"][rows[-1] :], frame[column].iloc[-1])  # held
 
 
+def test_a_sample_with_the_time_of_a_tick_comes_at_that_tick(made):
+    """Hundredths of a second less another begin, and multiples of 0.01, differ in the last bits: some would be late."""
+    time = np.array([float(f"{100 + k / 100:.2f}") for k in range(1, 3001)])
+    assert np.any(time - 100.0 > np.arange(1, 3001) * 0.01)
+    result = play(made("imu", samples.imu(time), start=100.0), 30.0, step=0.01)
+    np.testing.assert_array_equal(result["reading.sequence"], np.arange(3001))
+
+
 def test_of_two_samples_in_one_tick_the_later_is_published_and_the_number_tells_the_loss(made, player):
     """Fails for a player that publishes the first of them, queues them, or numbers what it publishes from 1 on."""
     time = samples.stamps(2000, 0.0055, 0.020)
@@ -103,6 +112,25 @@ def test_of_two_samples_in_one_tick_the_later_is_published_and_the_number_tells_
     np.testing.assert_array_equal(result["reading.rate[2]"][rows], frame["rate_y"].iloc[last])
     told = next(sentence for sentence in imported.sentences() if "are lost" in sentence)
     assert told.startswith(f"with ticks of 0.01 s {len(time) - len(last)} of 2000 samples")
+
+
+def test_ticks_begin_behind_the_one_before_and_end_with_their_time(made, player):
+    """By hand: 0, 4 and 10 ms come at the tick of 10 ms; 10.1 and 20 ms at the next one; 30 ms at the one after."""
+    time = np.array([0.0, 0.004, 0.01, 0.0101, 0.02, 0.03])
+    frame = samples.imu(time)
+    (imported,) = import_samples(of("made.csv", frame), player("imu")).streams
+    assert lost(imported, 0.01) == 3
+    result = play(made("imu", frame), 0.04, step=0.01)
+    np.testing.assert_array_equal(result["reading.sequence"], [0, 3, 5, 6, 6])
+
+
+def test_a_sample_that_is_not_valid_says_so_and_the_next_one_is(made):
+    time = np.arange(1.0, 11.0)
+    frame = samples.fixes(time).assign(valid=[1, 1, 1, 0, 0, 1, 1, 1, 1, 1])
+    result = play(made("gps", frame), 10.5, 0.1)
+    at = published(result, "fix")
+    np.testing.assert_array_equal(result["fix.valid"][at], frame["valid"] == 1)
+    np.testing.assert_array_equal(result["fix.altitude"][at][2:6], frame["altitude"].to_numpy()[[2, 2, 2, 5]])
 
 
 def test_the_same_at_every_communication_step(made):
@@ -265,6 +293,27 @@ def test_recorded_air_data_is_not_worked_out_again(made):
     at = published(result, "air")
     for name in ("true_airspeed", "temperature", "vertical_speed", "calibrated_airspeed", "pressure_altitude"):
         np.testing.assert_array_equal(result[f"air.{name}"][at], frame[name].iloc[: len(at)])
+
+
+def test_the_vertical_speed_is_behind_its_lag_by_the_intervals_of_the_samples(made):
+    """Closed form for a climb that begins with the first sample: c (1 - exp(-t / tau)), samples two a second."""
+    time = np.arange(0.5, 20.0, 0.5)
+    frame = samples.air(time).assign(pressure_altitude=1500.0 + 3.0 * time)
+    result = play(made("air_data", frame), 20.0, 0.01, vertical_speed_time=2.0)
+    at = published(result, "air")
+    expected = 3.0 * (1.0 - np.exp(-(time - time[0]) / 2.0))
+    np.testing.assert_allclose(result["air.vertical_speed"][at], expected, atol=1e-9)
+    held = np.repeat(result["air.vertical_speed"][at], np.diff(np.append(at, len(result))))
+    np.testing.assert_array_equal(result["air.vertical_speed"][at[0] :], held)
+
+
+def test_a_port_that_is_blocked_from_the_beginning_keeps_the_pressure_of_the_first_sample(made):
+    time = np.arange(0.1, 10.0, 0.1)
+    frame = samples.air(time).assign(pressure_altitude=3000.0 + 5.0 * time)
+    result = fly(
+        made("air_data", frame), 9.0, 0.1, Fault("port", "air_data_replay.static_blocked", "input", value=True)
+    )
+    np.testing.assert_allclose(result["air.pressure_altitude"][1:], 3000.5, atol=1e-6)
 
 
 @pytest.mark.parametrize(("port", "rises"), [("pitot_blocked", True), ("static_blocked", False)])
