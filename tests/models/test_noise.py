@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.everything_on import EVERYTHING
 from navfmu import System
 from tests.built import components, fmu
 
@@ -30,7 +31,8 @@ BEYOND = 5.0
 
 
 def test_every_component_with_random_numbers_is_here():
-    assert {name for name, component in components().items() if component.layout.uses_noise} == set(NOISY)
+    noisy = {name for name, component in components().items() if component.layout.uses_noise}
+    assert noisy == set(NOISY) == set(EVERYTHING)
 
 
 @pytest.fixture(params=NOISY)
@@ -39,13 +41,14 @@ def run(request, tmp_path_factory):
     system = System.load(fmu(request.param, tmp_path_factory))
     told, watched, period = NOISY[request.param]
 
-    def run(step: float, stop: float, seed: int, record_period: float, record=("*",)) -> pd.DataFrame:
+    def run(step: float, stop: float, seed: int, record_period: float, record=("*",), told=told) -> pd.DataFrame:
         parameters = {f"{request.param}.{name}": value for name, value in told.items()}
         return system.run(
             stop=stop, step=step, seed=seed, record=list(record), record_period=record_period, parameters=parameters
         )
 
     run.watched, run.period = [f"{request.param}.{name}" for name in watched], period
+    run.everything = EVERYTHING[request.param]
     return run
 
 
@@ -54,6 +57,25 @@ def test_the_same_numbers_for_every_step_size(run):
     expected = run(0.01, 60.0, seed=3, record_period=1.0)
     for step in (0.05, 0.25, 1.0):
         pd.testing.assert_frame_equal(run(step, 60.0, seed=3, record_period=1.0), expected, check_exact=True)
+
+
+def test_the_same_numbers_for_every_step_size_with_every_error_on(run):
+    """What is off at first has clocks and random numbers of its own. The steps do not divide into whole samples."""
+    expected = run(0.01, 21.0, seed=3, record_period=1.05, told=run.everything)
+    for step in (0.035, 0.15, 1.05):
+        found = run(step, 21.0, seed=3, record_period=1.05, told=run.everything)
+        pd.testing.assert_frame_equal(found, expected, check_exact=True)
+    other = run(0.01, 21.0, seed=4, record_period=1.05, told=run.everything)
+    assert all(np.any(other[name] != expected[name]) for name in run.watched)
+
+
+def test_every_error_of_the_inertial_unit_is_on():
+    """Whatever is 0 at first, and so off."""
+    fields, given = components()["imu"].layout.fields, EVERYTHING["imu"]
+    own = {name for name, field in fields.items() if field.causality in ("parameter", "input")}
+    assert set(given) <= own
+    off = {name for name in own if not np.any(fields[name].start)}
+    assert off <= {name for name in given if np.any(given[name])}
 
 
 def test_seeds_have_streams_of_their_own(run):
