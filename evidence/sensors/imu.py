@@ -164,7 +164,7 @@ class Unit:
     @property
     def settles(self) -> Claim:
         time, means = self.warming
-        transient = -0.12 * np.exp(-time)
+        transient = 0.1 * np.exp(-time)
         left = means - transient[:, None]
         noise = 0.05**2 / 60.0  # of a mean of a minute; the drift of three gyros in 5 h is 27 independent values
         return Claim(
@@ -213,10 +213,12 @@ def picture(unit: Unit, claims: Sequence[Claim]) -> bytes:
         horizon.axvline(300.0, color=GREY, lw=0.8, ls=":", label="300 s")
         horizon.set(xlabel="averaging time, s, at 1 Hz", ylabel="Allan deviation, deg/s")
         time, means = unit.warming
-        warming.plot(time, means, lw=0.8, color=COLOURS[0])
+        level = np.mean(means)
+        warming.plot(time, means - level, lw=0.8, color=COLOURS[0])
         warming.plot([], [], color=COLOURS[0], label="three gyros, means of a minute")
-        warming.plot(time, -0.12 * np.exp(-time), "k--", lw=1.2, label="transient alone")
-        warming.set(xlabel="time since turn-on, h", ylabel="rate shown at rest, deg/s")
+        warming.plot(time, 0.1 * np.exp(-time) - level, "k--", lw=1.2, label="transient alone")
+        warming.axhline(-0.02, color=GREY, lw=0.8, ls=":", label="where it settles in Fig 3.6")
+        warming.set(xlabel="time since turn-on, h", ylabel="rate at rest less its mean, deg/s")
         for (name, (times, found)), colour in zip(unit.units.items(), COLOURS, strict=False):
             grades.loglog(times, found, "-", color=colour, label=name)
         grades.set(xlabel="averaging time, s, at 100 Hz", ylabel="Allan deviation of the gyros, deg/h")

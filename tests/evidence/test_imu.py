@@ -40,6 +40,6 @@ def test_a_unit_that_is_not_so_is_called_so():
     unit.__dict__["units"] = fine | {"tactical": fine["consumer"]}
     assert unit.ordered.sentence.startswith("A grade is worse")
     time = np.linspace(0.0, 5.0, 300)
-    for size, holds in ((0.12, True), (0.24, False)):
-        unit.__dict__["warming"] = time, -size * np.exp(-time)[:, None] * np.ones(3)
+    for size, holds in ((0.1, True), (0.2, False)):
+        unit.__dict__["warming"] = time, size * np.exp(-time)[:, None] * np.ones(3)
         assert unit.settles.holds == holds
