@@ -40,7 +40,7 @@ class AirDataReplay(replay.face(AirData), Component):
     any more.
 
     The inputs are those of air_data, so that this FMU takes its place in a system; those of the truth do nothing. A
-    blocked port keeps the pressure of the last sample before, or of the first one, and all that is shown follows from
+    blocked port keeps the pressure of the last sample before, or of the first one, and what hangs on it follows from
     the pressures as it does in air_data, whatever was recorded. Its other faults need what lines were like, which no
     recording tells. `delay` makes all samples late, and leaves the time that they hold for.
 
@@ -83,19 +83,20 @@ class AirDataReplay(replay.face(AirData), Component):
         told = replay.announcement(sample, self.air)
         new, interval = told["when"], sample["time_of_validity"] - self.air.time_of_validity
 
-        static, total, temperature = self.outside(sample)
-        static = np.where(self.sampled & self.static_blocked, self.static_pressure, static)
+        static, total, altitude, temperature = self.outside(sample)
+        frozen = self.sampled & self.static_blocked
+        static, altitude = np.where(frozen, self.static_pressure, static), np.where(frozen, self.climbed, altitude)
         total = np.where(self.sampled & self.pitot_blocked, self.total_pressure, total)
         blocked = self.static_blocked | self.pitot_blocked
 
-        def recorded(name, otherwise):
-            return np.where(~blocked, replay.recorded(sample, name, otherwise), otherwise)
+        def recorded(name, otherwise, spoilt):
+            return np.where(spoilt, otherwise, replay.recorded(sample, name, otherwise))
 
-        calibrated = recorded("calibrated_airspeed", air_data.calibrated_airspeed(total - static))
+        calibrated = recorded("calibrated_airspeed", air_data.calibrated_airspeed(total - static), blocked)
         sound = atmosphere.speed_of_sound(temperature)
         mach = air_data.true_mach(calibrated, static)
-        mach = recorded("mach", recorded("true_airspeed", sound * mach) / sound)
-        altitude = recorded("pressure_altitude", atmosphere.pressure_altitude(static))
+        mach = recorded("mach", recorded("true_airspeed", sound * mach, blocked) / sound, blocked)
+        shown = altimeter.indicated(altitude, self.baro_setting)
         ratio = self.vertical_speed_time / np.maximum(interval, 1e-6)
         chamber = np.where(self.sampled, pneumatics.behind(self.chamber, self.climbed, altitude, ratio), altitude)
         sigma = air_data.true_airspeed_sigma(
@@ -110,14 +111,16 @@ class AirDataReplay(replay.face(AirData), Component):
         told["valid"] = told["valid"] & atmosphere.is_known(altitude)
         self.air.publish(
             **told,
-            true_airspeed=recorded("true_airspeed", sound * mach),
-            true_airspeed_sigma=recorded("true_airspeed_sigma", sigma),
+            true_airspeed=recorded("true_airspeed", sound * mach, blocked),
+            true_airspeed_sigma=recorded("true_airspeed_sigma", sigma, blocked),
             calibrated_airspeed=calibrated,
             pressure_altitude=altitude,
             temperature=temperature,
             mach=mach,
-            indicated_altitude=recorded("indicated_altitude", altimeter.indicated(altitude, self.baro_setting)),
-            vertical_speed=recorded("vertical_speed", (altitude - chamber) / self.vertical_speed_time),
+            indicated_altitude=recorded("indicated_altitude", shown, self.static_blocked),
+            vertical_speed=recorded(
+                "vertical_speed", (altitude - chamber) / self.vertical_speed_time, self.static_blocked
+            ),
         )
         self.static_pressure = np.where(new, static, self.static_pressure)
         self.total_pressure = np.where(new, total, self.total_pressure)
@@ -126,13 +129,13 @@ class AirDataReplay(replay.face(AirData), Component):
         self.sampled = self.sampled | new
 
     def outside(self, sample):
-        """Static and total pressure (Pa) and temperature (K) at the ports, of what was recorded."""
+        """Static and total pressure (Pa), pressure altitude (m) and temperature (K), of what was recorded."""
         static = replay.recorded(sample, "static_pressure", atmosphere.pressure(sample["pressure_altitude"]))
         altitude = replay.recorded(sample, "pressure_altitude", atmosphere.pressure_altitude(static))
         standard = atmosphere.temperature(altitude, self.temperature_deviation)
         temperature = replay.recorded(sample, "temperature", standard)
         by_speed = static * air_data.impact_ratio(sample["true_airspeed"] / atmosphere.speed_of_sound(temperature))
-        calibrated_known = sample["calibrated_airspeed_known"] > 0.0
+        impact = replay.recorded(sample, "impact_pressure", by_speed)
         by_calibrated = air_data.impact_pressure(sample["calibrated_airspeed"])
-        impact = replay.recorded(sample, "impact_pressure", np.where(calibrated_known, by_calibrated, by_speed))
-        return static, static + impact, temperature
+        impact = np.where(sample["calibrated_airspeed_known"] > 0.0, by_calibrated, impact)
+        return static, static + impact, altitude, temperature
