@@ -15,7 +15,8 @@ consumer    twice the automotive errors, as in the thesis; so its scale factor i
             initial tolerance in the data sheet of the InvenSense MPU-6050. That part's initial null shifts of 20 deg/s
             and 50 mg are taken out before the flight
 
-Mounting, all of these but tactical: some 0.25 degrees in a light aircraft (own choice). Set a sigma to 0 to have none.
+Mounting is own choice: some 0.25 degrees in a light aircraft, of tactical units 0.05, of those that navigate 0.003 (10
+arcsec, as of a unit that was calibrated in its place). Set a sigma to 0 to have none.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ _QA_2000 = (
 INERTIAL: dict[str, ParameterSet] = {
     "navigation": ParameterSet(
         "Unit of an aircraft's inertial navigator. Gyros: ring lasers of 0.01 deg/h as in the LTN-90-100 (RTO MP-43, "
-        "paper 17), random walk 0.003 deg/sqrt(h) and 5 ppm as most of paper 1, Tables 2 and 4. "
+        "paper 17), random walk 0.003 deg/sqrt(h) as the GL-1 (paper 1, Table 2), 5 ppm as most of Tables 2 and 4. "
         f"{_QA_2000}.",
         {
             **NO_DRIFT,
@@ -154,8 +155,9 @@ INERTIAL: dict[str, ParameterSet] = {
     ),
     "rlgn": ParameterSet(
         "RLGN with ring lasers Honeywell GG 1342, AGARD CP-298 (1981), paper 12, Tables 2 and 3: 0.007 deg/h (the "
-        "specified value), 0.0011, 0.0013, 0.0050 deg/sqrt(h) and 3.1, 2.5, 1.1 ppm of the three axes, 2 arcsec a "
-        "pulse; "
+        "specified value), 0.0011, 0.0013, 0.0050 deg/sqrt(h) and 3.1, 2.5, 1.1 ppm of the three axes (printed as "
+        "linearity, "
+        "here a constant error, as of the accelerometers' scale factors), 2 arcsec a pulse; "
         "accelerometers 3, 16, 17 micro-g. Day to day 0.01 deg/h, 0.002 deg/h/K and 800 deg/s: RTO MP-43 (1999), "
         "paper 1, "
         "Table 4. Noise of the accelerometers, not printed, is 5 micro-g per root Hz.",
