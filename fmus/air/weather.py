@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.processes import gauss_markov
+from models.processes.known import known
 from navfmu.export import Component, Example, Input, Output, Parameter, State, every, start
 
 
@@ -103,7 +104,7 @@ class Weather(Component):
     @every("sample_period")
     def advance(self, noise):
         n = noise(2)
-        step = self.velocity_n[:2] * self.period
+        step = known(self.velocity_n[:2] * self.period, 0.0)
         flown = np.hypot(step[0], step[1])
         self.way = self.way + step
         decay = gauss_markov.decay(flown, self.temperature_distance)

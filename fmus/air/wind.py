@@ -6,6 +6,7 @@ import numpy as np
 
 from models.air import turbulence, wind
 from models.processes import gauss_markov
+from models.processes.known import known
 from navfmu.export import Component, Example, Input, Output, Parameter, State, every, require, start
 
 LAYERS = 8
@@ -221,12 +222,14 @@ class Wind(Component):
 
     @every("sample_period")
     def advance(self, noise):
-        ratio = self.travelling_time_ratio * wind.travelling(self.velocity_n)
+        ratio = self.travelling_time_ratio * known(wind.travelling(self.velocity_n), 1.0)
         decay = gauss_markov.decay(ratio * self.period, self.correlation_time)
         self.variation = gauss_markov.advance(self.variation, decay, gauss_markov.drive(self.sigma, decay), noise(3))
-        flown = self.true_airspeed * self.period
+        flown = known(self.true_airspeed * self.period, 0.0)
         sigma, length = self._turbulence()
-        self.turbulence_levels = turbulence.advance(self.turbulence_levels, flown / length, _normals(noise(5)))
+        self.turbulence_levels = turbulence.advance(
+            self.turbulence_levels, known(flown / length, 0.0), _normals(noise(5))
+        )
         self._meet_gust(flown)
         self.shear_level = wind.ramped(self.shear_level, np.where(self.shear, 1.0, 0.0), self.period, self.shear_time)
         self._publish(sigma)

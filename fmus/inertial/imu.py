@@ -13,6 +13,7 @@ from models.attitude import attitude
 from models.earth.earth import STANDARD_GRAVITY
 from models.inertial import axes, flicker, heating, latency, shaping
 from models.processes import gauss_markov
+from models.processes.known import known
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 _DEFAULT = INERTIAL["automotive"].values
@@ -194,7 +195,7 @@ class Imu(
             sensors.begin_lag(mounting, self.sample_period)
         self.flicker_decay = gauss_markov.decay(self.wander_period, flicker.correlation_times(self.flicker_time))
         self.thermal_decay = gauss_markov.decay(self.drift_period, self.thermal_time)
-        self.sensor_temperature = self.temperature
+        self.sensor_temperature = known(self.temperature, self.calibration_temperature)
         self.begin_rates()
         for sensors, scaled in zip(both, self.scaled(), strict=True):
             sensors.settle(scaled)
@@ -222,28 +223,36 @@ class Imu(
         for sensors in self.triads():
             sensors.advance_drift(noise)
         self.sensor_temperature = heating.advance(
-            self.sensor_temperature, self.temperature, self.self_heating, self.thermal_decay
+            self.sensor_temperature,
+            known(self.temperature, self.sensor_temperature - self.self_heating),
+            self.self_heating,
+            self.thermal_decay,
         )
 
     @every("sample_period")
     def sample(self, noise):
         gyros, accelerometers = self.triads()
         rate, force = self.scaled()
+        whole = np.all(np.isfinite(rate)) & np.all(np.isfinite(force))
         self.remember_rate()
+        rate, force = np.where(whole, rate, gyros.before), np.where(whole, force, accelerometers.before)
         rate = gyros.sensed(gyros.follow(rate, self.period), self.warmer())
         force = accelerometers.sensed(accelerometers.follow(force, self.period), self.warmer())
         noisy_rate = rate + gyros.noise_sigma * noise(3)
         noisy_force = force + accelerometers.noise_sigma * noise(3)
         self.taken = self.taken + 1
+        read_rate, read_force = gyros.read(noisy_rate), accelerometers.read(noisy_force)
+        read_rate = gyros.leave(np.where(whole, read_rate, np.nan), self.latency)
         self.reading.publish(
-            rate=gyros.leave(gyros.read(noisy_rate), self.latency),
-            specific_force=accelerometers.leave(accelerometers.read(noisy_force), self.latency),
+            rate=read_rate,
+            specific_force=accelerometers.leave(np.where(whole, read_force, np.nan), self.latency),
+            valid=np.all(np.isfinite(read_rate)),
             time_of_validity=self.time - self.latency * self.period,
             when=self.taken > self.latency,
         )
         rate, noisy_rate = gyros.within(rate), gyros.within(noisy_rate)
         force, noisy_force = accelerometers.within(force), accelerometers.within(noisy_force)
-        self.integrate(rate, force, noisy_rate - rate, noisy_force - force)
+        self.integrate(rate, force, noisy_rate - rate, noisy_force - force, whole)
 
     @every("wander_period")
     def wander(self, noise):

@@ -62,6 +62,7 @@ class Increments:
     coning_numbers = State(MOST - 1, "1", description="c_1 ... c_3 of the products with past samples")
     past_angles = State((MOST - 1, 3), "rad", description="increments of the last samples, the latest first")
     past_velocities = State((MOST - 1, 3), "m/s", description="increments of the last samples, the latest first")
+    interrupted = State(kind="boolean", description="a sample since the last increment was not known")
     summed = State("1", description="samples since the last increment")
     angle_sum = State(3, "rad", description="angle since the last increment")
     velocity_sum = State(3, "m/s", description="velocity since the last increment")
@@ -89,8 +90,8 @@ class Increments:
             [self.coning_samples == m for m in range(1, MOST)], [np.zeros(MOST - 1), *numbers[:-1]], numbers[-1]
         )
 
-    def integrate(self, rate, specific_force, rate_noise, force_noise):
-        """Take a sample as it is sensed, and the wide-band noise of its reading."""
+    def integrate(self, rate, specific_force, rate_noise, force_noise, known):
+        """Take a sample as it is sensed, the wide-band noise of its reading, and whether what is sensed is known."""
         angle = increments.trapezoid(self.last_rate, rate, self.period) + rate_noise * self.period
         velocity = increments.trapezoid(self.last_force, specific_force, self.period) + force_noise * self.period
         self.last_rate, self.last_force = rate, specific_force
@@ -107,13 +108,14 @@ class Increments:
         self.past_velocities = np.vstack([velocity, self.past_velocities[:-1]])
         angle_sum, velocity_sum, summed = self.angle_sum + angle, self.velocity_sum + velocity, self.summed + 1.0
 
-        ends = summed >= self.increment_samples
+        ends, whole = summed >= self.increment_samples, known & ~self.interrupted
         self.increment.publish(
             angle=angle_sum + coning_sum,
             velocity=velocity_sum + sculling_sum,
             interval=summed * self.period,
+            valid=whole,
             when=ends,
         )
-        self.summed = np.where(ends, 0.0, summed)
+        self.summed, self.interrupted = np.where(ends, 0.0, summed), ~(ends | whole)
         self.angle_sum, self.velocity_sum = np.where(ends, 0.0, angle_sum), np.where(ends, 0.0, velocity_sum)
         self.coning_sum, self.sculling_sum = np.where(ends, 0.0, coning_sum), np.where(ends, 0.0, sculling_sum)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.inertial import increments, ring_laser
+from models.processes.known import known
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 ARCSEC = float(np.pi / 648000.0)
@@ -84,10 +85,11 @@ class RingLaser(Component):
 
     @every("sample_period")
     def sample(self, noise):
+        rate = known(self.rate, 0.0)
         turned, self.phase_sine, self.phase_cosine = ring_laser.advance(
             self.phase_sine,
             self.phase_cosine,
-            self.rate,
+            rate,
             self.lock_in,
             self.pulse,
             np.where(self.dither_off, self.period, 0.0),
@@ -95,7 +97,9 @@ class RingLaser(Component):
         angle = np.where(
             self.dither_off,
             turned * self.pulse / (2.0 * np.pi),
-            (self.rate + self.walk * noise(3)) * self.period,
+            (rate + self.walk * noise(3)) * self.period,
         )
         counted, self.rest = increments.counted(angle, self.rest, self.pulse)
-        self.increment.publish(angle=counted, pulses=np.rint(counted / self.pulse))
+        self.increment.publish(
+            angle=counted, pulses=np.rint(counted / self.pulse), valid=np.all(np.isfinite(self.rate))
+        )

@@ -14,6 +14,7 @@ import numpy as np
 
 from models.inertial import axes, bandwidth, flicker, inertial, latency, quantiser, random_walk
 from models.processes import gauss_markov
+from models.processes.known import known
 from navfmu.export import Component, Input, Parameter, State
 
 CONSTANT = {
@@ -162,8 +163,8 @@ class Triad:
 
     def settle(self, scaled) -> None:
         """Let the lag be at rest in what the sensors show at turn-on."""
-        self.before = scaled
-        self.lagged = np.stack([scaled, np.zeros(3)])
+        self.before = known(scaled, 0.0)
+        self.lagged = np.stack([self.before, np.zeros(3)])
 
     def follow(self, scaled, period):
         """What the sensors show behind their lag, one sample later."""

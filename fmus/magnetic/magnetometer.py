@@ -9,6 +9,7 @@ from models.attitude import attitude
 from models.earth import earth
 from models.magnetic import crust, magnetic_field, magnetometer, wire
 from models.processes import gauss_markov
+from models.processes.known import known
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 
@@ -246,13 +247,13 @@ class Magnetometer(Component):
     def compute_field(self, noise):
         place_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
         flown = np.where(self.field_known, np.sqrt(np.sum((place_e - self.place_e) ** 2)), 0.0)
-        phi = gauss_markov.decay(flown, self.crustal_length)
+        phi = gauss_markov.decay(known(flown, 0.0), self.crustal_length)
         self.crust = gauss_markov.advance(self.crust, phi, gauss_markov.drive(1.0, phi), noise(3))
         model_n = magnetic_field.field(self.latitude, self.longitude, self.altitude, self.date)
         left_out_n = self.crustal_level * magnetic_field.left_out(model_n, self.date)
         share = np.where(self.crust_decays, crust.wave_share(self._height(), self.crustal_length), 1.0)
         self.field_n = model_n + left_out_n * self.crust * share
-        self.place_e = place_e
+        self.place_e = known(place_e, self.place_e)
         self.field_known = True
 
     @every("sample_period")

@@ -10,6 +10,7 @@ from models.earth import earth
 from models.motion import aircraft, wander
 from models.motion.flight_plan import GRID, LIMITS, SEGMENTS, FlightPlan, straight, turn
 from models.processes import gauss_markov, lags
+from models.processes.known import known
 from navfmu.export import Component, Example, Input, Output, Parameter, State, every, require, start
 
 _PLAN = FLIGHT_PLANS["livermore"].parameters()
@@ -434,7 +435,7 @@ class Aircraft(Component):
     def _felt(self, sine, cosine):
         """What the felt wind follows: the wind, and what there is of a gust along the track."""
         along_n = np.array([cosine, sine, 0.0])
-        return self.wind_n + along_n * (along_n @ (self.gust_n - self.carried_velocity))
+        return known(self.wind_n, self.felt_wind) + along_n * (along_n @ (self.gust_n - self.carried_velocity))
 
     def _deviation_rate(self):
         """Velocity of wander and gusts, n."""

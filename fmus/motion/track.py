@@ -8,6 +8,7 @@ from models.air import atmosphere
 from models.attitude import attitude
 from models.motion import aircraft, recorded_track
 from models.processes import gauss_markov, lags
+from models.processes.known import known
 from navfmu.export import Component, Example, Input, Output, Parameter, State, Table, every, start
 
 _COLUMNS = (
@@ -101,8 +102,7 @@ class Track(Component):
     @start
     def begin(self):
         self.weathercock_decay = gauss_markov.decay(self.update_period, self.weathercock_time)
-        self.felt_wind = self.wind_n
-        self.felt_wind_target = self.wind_n
+        self.felt_wind = self.felt_wind_target = known(self.wind_n, 0.0)
         motion = self._motion()
         height = atmosphere.geopotential(motion[2][0])
         density = atmosphere.density(atmosphere.pressure(height), atmosphere.temperature(height))
@@ -111,16 +111,17 @@ class Track(Component):
 
     @every("update_period")
     def move(self):
+        target = known(self.wind_n, self.felt_wind_target)
         self.felt_wind, self.felt_wind_rate = lags.follow(
             self.felt_wind,
             self.felt_wind_rate,
             self.felt_wind_target,
-            self.wind_n,
+            target,
             self.period,
             self.weathercock_time,
             self.weathercock_decay,
         )
-        self.felt_wind_target = self.wind_n
+        self.felt_wind_target = target
         self._publish(*self._motion())
 
     def _motion(self):
