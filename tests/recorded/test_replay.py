@@ -16,6 +16,7 @@ from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.doubts import turn_error
 from navfmu.recorded.replay.file import of, read
 from navfmu.recorded.replay.importer import import_samples
+from navfmu.recorded.replay.picture import draw
 from tests import built
 from tests.recorded import samples
 
@@ -316,8 +317,12 @@ def test_the_command_writes_the_fmu_from_csv_and_parquet_and_tells(player, tmp_p
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_the_fewest_samples_are_played(count, take):
-    told = columns(take("imu", IMU[:count]))
+def test_the_fewest_samples_are_played(count, take, tmp_path):
+    imported = take("imu", IMU[:count])
+    imported.write(tmp_path / "few.fmu")
+    draw(imported, tmp_path / "few.png")
+    assert any(s.startswith(f"{count} samples from t = 0.012 s") for s in imported.sentences())
+    told = columns(imported)
     assert len(told["time"]) == max(count, 2) and np.ptp(told["sequence"]) == count - 1  # a row twice is told once
 
 
@@ -332,6 +337,9 @@ def test_files_that_are_none(tmp_path):
         ("a.parquet", b"PAR", "this is no Parquet file"),
         ("a.csv", b"", "this is no CSV table with a header line"),
         ("b.csv", b"time,rate_x\n", "has no rows"),
+        ("d.csv", b"time,rate_x,rate_x\n0,1,2\n", "has two columns 'rate_x'"),
+        ("e.csv", b"time,rate_x\n0,1,2\n1,2,3\n", "this is no CSV table"),
+        ("f.csv", b"time,rate_x\n0,1\n1,2,3\n", "this is no CSV table"),
         ("c.csv", b"time;rate_x\n0,1;0,2\n", "the columns are separated by ';'; expected commas"),
         ("a.mat", b"", "cannot tell the format from the name"),
     ):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -58,17 +59,32 @@ def read(path: str | Path) -> File:
         raise NavfmuError(f"{path}: cannot tell the format from the name; expected {', '.join(KINDS)} at its end")
     try:
         if kind == ".csv":
-            # skip_blank_lines off: the row number then gives the line number
-            frame = pd.read_csv(path, skipinitialspace=True, skip_blank_lines=False, low_memory=False)
+            frame = _text(path)
         else:
             frame = pd.read_parquet(path)
     except OSError as problem:
         if problem.errno is not None:
             raise unreadable(path, problem) from None
         raise _other_format(path, kind, problem) from None
+    except NavfmuError:
+        raise
     except Exception as problem:  # of pandas, of Arrow, of what they are built on
         raise _other_format(path, kind, problem) from None
     return of(path, frame, 2 if kind == ".csv" else None)
+
+
+def _text(path: Path) -> pd.DataFrame:
+    """Read CSV with the header as it stands: two columns of one name have it both."""
+    # skip_blank_lines off: the row number then gives the line number
+    options = {"skipinitialspace": True, "skip_blank_lines": False, "index_col": False}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)  # rows longer than the header
+        first = pd.read_csv(path, header=None, nrows=1, dtype=str, keep_default_na=False, **options)
+        header = first.iloc[0].to_list()
+        if len(header) == 1 and (mark := next((mark for mark in ";\t" if mark in header[0]), None)):
+            raise NavfmuError(f"{path}: the columns are separated by {mark!r}; expected commas, and points in numbers")
+        frame = pd.read_csv(path, low_memory=False, **options)
+    return frame.set_axis(header, axis=1)
 
 
 def _other_format(path: Path, kind: str, problem: Exception) -> NavfmuError:
@@ -79,9 +95,6 @@ def _other_format(path: Path, kind: str, problem: Exception) -> NavfmuError:
 def of(path: str | Path, frame: pd.DataFrame, first_line: int | None = None) -> File:
     """Return the file of a frame, whose columns may have units in their names."""
     names, units = [], {}
-    told = [mark for mark in ";\t" if len(frame.columns) == 1 and mark in str(frame.columns[0])]
-    if told:
-        raise NavfmuError(f"{path}: the columns are separated by {told[0]!r}; expected commas, and points in numbers")
     full = np.flatnonzero(frame.notna().any(axis=1).to_numpy())
     frame = frame.iloc[: full[-1] + 1 if len(full) else 0]  # a text may end in empty lines
     for column in frame.columns:

@@ -12,6 +12,8 @@ from navfmu.recorded.replay.importer import Imported
 from navfmu.recorded.replay.samples import Samples
 
 GAPS, REPEATS, INVALID = "C1", "C3", "0.6"
+MOST = 1000
+"""Gaps, the longest, and samples that are not valid, the first, that are shaded."""
 
 
 def draw(imported: Imported, path: str | Path) -> None:
@@ -68,7 +70,8 @@ def _intervals(axis, samples: Samples, tick: float) -> None:
 
 
 def _shade(axis, samples: Samples) -> None:
-    for place in account.gaps(samples):
+    places, interval = account.gaps(samples), np.diff(samples.time)
+    for place in places[np.argsort(interval[places])[-MOST:]]:
         axis.axvspan(samples.time[place], samples.time[place + 1], color=GAPS, alpha=0.3, lw=0.0)
-    for time in samples.time[~samples.valid][:2000]:
+    for time in samples.time[~samples.valid][:MOST]:
         axis.axvline(time, color=INVALID, lw=0.3, zorder=0)

@@ -74,7 +74,7 @@ class Samples:
         same[:1] = False
         for name, value in self.values.items():
             if self.sources[name].columns:
-                same[1:] &= (value[1:] == value[:-1]).reshape(len(self) - 1, -1).all(axis=1)
+                same[1:] &= (value[1:] == value[:-1]).reshape(len(self) - 1, value[0].size).all(axis=1)
         return same
 
     def table(self) -> dict[str, np.ndarray]:
