@@ -199,3 +199,26 @@ def test_increments_of_the_fmu_lead_back_on_a_cone(native, samples):
     expected = error_by_formula(coning.before(samples - 1, "trapezoid"), 1, "trapezoid", 2 * np.pi / around)
     assert found == pytest.approx(expected, abs=3e-8)
     assert run["increment.interval"][-1] == pytest.approx(each * step, rel=1e-12)
+
+
+@pytest.mark.parametrize("each", [6, 12, 30])
+def test_a_wide_cone_leaves_what_is_of_third_order_in_an_interval(native, each):
+    """Five degrees: eps^2 (w tau)^6 / 1680 of the coning rate for increments of tau, and higher powers of w tau.
+
+    The increments of two samples in the products, or trapezoids taken for integrals, leave 1e-5 and 2e-3.
+    """
+    half_angle, step, around = np.radians(5.0), 0.01, 60
+    frequency = 2 * np.pi / (around * step)
+    parameters = {**QUIET, "increment_samples": each, "coning_samples": 4}
+    run = native.run(
+        8 * around * step,
+        step,
+        ["increment.angle"],
+        {**parameters, "rate": cone.rate(half_angle, frequency, 0.0)},
+        lambda t: {"rate": cone.rate(half_angle, frequency, t)},
+    )
+    angles = run["increment.angle"][each::each][around // each :]
+    found = together(angles)[2] / (7 * 4 * np.pi * np.sin(half_angle / 2) ** 2)
+    turn = 2 * np.pi * each / around
+    # next power: 1/1680 falls to 1/1736, 1/1930 and 1/3870 at a tenth, a fifth and half of a turn
+    assert 0.4 < found / (half_angle**2 * turn**6 / 1680) < 1.0
