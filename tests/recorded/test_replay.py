@@ -123,6 +123,20 @@ PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
         ("imu", IMU, {"axes": {"": ("x", "up", "z")}}, r"'up' is no axis; expected x, y or z"),
         ("gps", GPS, {"axes": {"velocity_n": ("y", "x", "z")}}, r"velocity_n carries .*with --axes velocity_n=y,x,z"),
         ("gps", GPS, {"axes": {"velocity_n": ("x", "y", "-z")}}, r"velocity_n points up where the altitude rises"),
+        ("gps", GPS, {"axes": {"": ("y", "x", "-z")}}, r"--axes y,x,-z: there is no vector in body axes"),
+        (
+            "air_data",
+            AIR,
+            {"units": {"temperature": "degC"}},
+            r"--unit temperature: made.csv has no temperature; what is",
+        ),
+        ("air_data", AIR, {"add": {"impact_pressure": ("20",)}}, r"--add impact_pressure: made.csv has no impact_pr"),
+        (
+            "imu",
+            IMU,
+            {"units": {"time_of_validity": "ms"}},
+            r"--unit time_of_validity: made.csv has no time_of_validity",
+        ),
         # numbers
         ("imu", HOLE, {}, r"made.csv, line 43: rate is empty or no number \(in 1 row"),
         ("imu", IMU.assign(rate_x=["0.1"] * 7 + ["n/a"] + ["0.1"] * 2992), {}, r"made.csv, line 9: 'rate_x' is 'n/a'"),

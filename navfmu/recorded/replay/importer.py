@@ -12,7 +12,7 @@ from navfmu.fmi import tables
 from navfmu.fmi.fmu import describe
 from navfmu.recorded.archive import ACCOUNT, DESCRIPTION, described
 from navfmu.recorded.replay import account
-from navfmu.recorded.replay.asked import Asked
+from navfmu.recorded.replay.asked import TIME_UNITS, Asked
 from navfmu.recorded.replay.doubts import doubts
 from navfmu.recorded.replay.file import File
 from navfmu.recorded.replay.samples import Samples, share, silence, take
@@ -99,6 +99,7 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
     if most == 0.0:
         _nothing(file, found)
     samples = {one.table: take(file, one, asked) if shares[one.table] == most else None for one in found}
+    _check_used(file, asked, [one for one in samples.values() if one])
     for one in samples.values():
         for sentence in doubts(one) if one else ():
             if not asked.unchecked:
@@ -109,6 +110,23 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
     tick = float(describe(player).variable("tick_period", player).start)
     unused = tuple(name for name in file.names if name not in used)
     return Imported(file.path, player, tuple(found), samples, tick, unused)
+
+
+def _check_used(file: File, asked: Asked, taken: list[Samples]) -> None:
+    """Refuse what is said of something that the file does not hold: it would do nothing."""
+    recorded = {name: one for one in taken for name, source in one.sources.items() if source.columns}
+    times = {name for name in TIME_UNITS if asked.columns.get(name, (name,))[0] in file.names}
+    known = {"--unit": recorded.keys() | times, "--axes": recorded.keys(), "--add": recorded.keys()}
+    for option, given in (("--unit", asked.units), ("--axes", asked.axes), ("--add", asked.add)):
+        for name in given:
+            if name and name not in known[option]:
+                have = ", ".join(sorted(known[option]))
+                raise NavfmuError(f"{option} {name}: {file.path} has no {name}; what is taken of it: {have}")
+    turned = [
+        q.name for one in taken for q in one.wanted.quantities if q.vector and q.frame == "b" and q.name in recorded
+    ]
+    if "" in asked.axes and not turned:
+        raise NavfmuError(f"--axes {','.join(asked.axes[''])}: there is no vector in body axes; say --axes NAME=...")
 
 
 def _nothing(file: File, found: list[Wanted]) -> None:
