@@ -108,6 +108,10 @@ def test_what_cannot_be_read_is_a_sentence(tmp_path, monkeypatch):
     (tmp_path / "no.ulg").write_bytes(b"nothing of it")
     with pytest.raises(NavfmuError, match=r"no\.ulg: this is no log of PX4"):
         px4.read(tmp_path / "no.ulg", "imu")
+    path = log(tmp_path / "c.ulg", sensor_combined=[(1.0, *[0.0] * 3, 4000, *[0.0] * 3)])
+    path.write_bytes(path.read_bytes().replace(b"timestamp", b"timestump"))
+    with pytest.raises(NavfmuError, match=r"has no sensor_combined, so nothing of 'imu'"):
+        px4.read(path, "imu")
     path = log(tmp_path / "c.ulg", vehicle_air_data=[(1.0, 9.5e4)])
     with pytest.raises(NavfmuError, match=r"has no sensor_combined, so nothing of 'imu'"):
         px4.read(path, "imu")

@@ -297,6 +297,12 @@ def test_gaps_repeats_and_equal_times_are_told(take):
     assert len(changes["time"]) == len(frame) - 6
 
 
+def test_a_wild_time_at_the_end_is_a_gap(take):
+    """Fails where memory is taken for each second that passes."""
+    wild = IMU.assign(time=np.append(TIME[:-1], 1e13))
+    assert any("1 gap(s)" in s and "the longest lasts 1e+13 s" in s for s in take("imu", wild).sentences())
+
+
 def test_what_is_not_plausible_is_taken_when_told_so(take):
     imported = take("imu", scaled(IMU, 2.0, *FORCE), unchecked=True)
     assert any(s.startswith("not plausible, and taken: specific_force is 19.") for s in imported.sentences())

@@ -155,21 +155,20 @@ def _rate(time: np.ndarray, rate: np.ndarray, force: np.ndarray | None) -> Itera
 def turn_error(time: np.ndarray, rate: np.ndarray, force: np.ndarray) -> float:
     """Median angle, rad, between the specific force (mean over a fifth of a second) and that of a second before, turned
     by the gyros; where stretches without samples are longer than a fifth of a second, nothing is compared."""
-    step = 0.2 * TURNED
-    place = np.floor((time - time[0]) / step).astype(int)
-    count = np.bincount(place)
-    means = [np.bincount(place, column) / np.maximum(count, 1) for column in (*rate.T, *force.T)]
-    omega, support = np.stack(means[:3], axis=1), np.stack(means[3:], axis=1)
-    support = support / np.maximum(np.linalg.norm(support, axis=1, keepdims=True), 1e-9)
-    steps = 5
-    if len(count) <= steps:
+    steps, step = 5, 0.2 * TURNED
+    cells, cell = np.unique(np.floor((time - time[0]) / step), return_inverse=True)
+    if len(cells) <= steps:
         return 0.0
-    here, whole = support[:-steps], np.ones(len(count) - steps, bool)
+    count = np.bincount(cell)
+    means = np.stack([np.bincount(cell, column) / count for column in (*rate.T, *force.T)], axis=1)
+    omega, support = means[:, :3], means[:, 3:]
+    support = support / np.maximum(np.linalg.norm(support, axis=1, keepdims=True), 1e-9)
+    here = support[:-steps]
     for i in range(steps):
-        part = slice(i, len(count) - steps + i)
-        here = _turned(here, -step * 0.5 * (omega[part] + omega[slice(part.start + 1, part.stop + 1)]))
-        whole &= (count[part] > 0) & (count[slice(part.start + 1, part.stop + 1)] > 0)
+        now, then = slice(i, i - steps), slice(i + 1, (i + 1 - steps) or None)
+        here = _turned(here, -step * 0.5 * (omega[now] + omega[then]))
     angle = np.arccos(np.clip(np.sum(here * support[steps:], axis=1), -1.0, 1.0))
+    whole = cells[steps:] - cells[:-steps] == steps
     return float(np.median(angle[whole])) if whole.any() else 0.0
 
 

@@ -97,7 +97,7 @@ def read(path: str | Path, sensor: str) -> File:
 def _frame(log: Any, topic: Topic) -> tuple[pd.DataFrame, dict[str, str]] | None:
     """Return the rows of the first instance of a topic, and the units of their columns; None if there are none."""
     rows = next((data.data for data in log.data_list if (data.name, data.multi_id) == (topic.name, 0)), None)
-    if rows is None or len(rows["timestamp"]) == 0:
+    if rows is None or len(rows.get("timestamp", ())) == 0:
         return None
     since = rows["timestamp"].astype(np.int64) - int(log.start_timestamp)
     columns, units = {"time": since * 1e-6}, {}
