@@ -70,6 +70,49 @@ def test_publish_when_keeps_everything_otherwise():
     assert run.get("reading.sequence") == 3
 
 
+class Numbered(Component):
+    """Tells numbers of its own: two samples at each tick, of which the second is seen; of two bundles, one apart."""
+
+    period_ = Parameter("s", start=0.1, description="period")
+    told = Bundle(count=Output("1"))
+    pair = Bundle(2, count=Output("1"))
+
+    @every("period_")
+    def tell(self):
+        number = self.told.sequence + 2
+        self.told.publish(count=1.0 * number, sequence=number)
+        self.pair.publish(count=np.array([1.0, 2.0]), sequence=np.array([1, 10]) * number)
+
+
+class Counting(Component):
+    """Waits for samples, and counts those that it has not seen."""
+
+    period_ = Parameter("s", start=0.1, description="period")
+    seen = Bundle(count=Input("1"))
+    total = Output(kind="integer")
+
+    @on_new("seen")
+    def take(self):
+        self.total = self.total + 1
+
+    @every("period_")
+    def pass_time(self):
+        self.total = self.total + 0
+
+
+def test_a_number_that_is_published_says_what_was_lost():
+    """Fails for a number that is counted up by one, that is one for all bundles, or that moves without being told."""
+    run, other = running(Numbered), running(Counting)
+    for k in range(5):
+        run.do_step(0.1 * k, 0.1)
+        for name in ("sequence", "count", "valid"):
+            other.set(f"seen.{name}", run.get(f"told.{name}"))
+        other.do_step(0.1 * k, 0.1)
+    assert (run.get("told.sequence"), run.get("told.count")) == (10, 10.0)
+    assert [run.get(f"pair[{i}].sequence") for i in (1, 2)] == [10, 100]
+    assert (other.get("total"), other.get("seen.lost")) == (5, 5)
+
+
 def test_two_clocks_tick_together_and_tasks_run_in_order():
     run = running(TwoRates)
     advance(run, 0.05, 0.9)
