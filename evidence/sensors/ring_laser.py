@@ -101,7 +101,7 @@ class Rings:
     @property
     def sigma(self) -> float:
         """Angle random walk, arcsec per root second."""
-        return float(ring_laser.random_walk(LOCK_IN, PULSE, DITHER)) / ARCSEC
+        return float(ring_laser.random_walk(LOCK_IN, PULSE, DITHER, 0.0)) / ARCSEC
 
     @property
     def walked(self) -> Claim:

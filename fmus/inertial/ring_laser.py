@@ -20,8 +20,9 @@ class RingLaser(Component):
     own, so a ring that turns slower than the lock-in rate shows nothing: 300 deg/h as in RTO MP-43 (1999), Loukianov,
     Fig 5. Dither takes it through that zone 800 times in a second; what is left is a random walk of the angle,
     w_L sqrt(K / (2 pi w_D)), 0.0047 deg per root hour with the start values, where AGARD CP-298 has measured 0.0011 to
-    0.0050. The dither's peak rate w_D of 100 deg/s is some 30 g at the mirrors of a ring of 60 cm, Loukianov's figure,
-    at 400 Hz. The motion of the dither itself is taken out of the pulses, as the gyros' own electronics do.
+    0.0050; it grows as w comes near w_D, with sqrt(w_D^2 - w^2) for w_D, and is nothing beyond. The dither's peak rate
+    w_D of 100 deg/s is some 30 g at the mirrors of a ring of 60 cm, Loukianov's figure, at 400 Hz. The motion of the
+    dither itself is taken out of the pulses, as the gyros' own electronics do.
 
     With the dither off (a fault), each axis follows Adler's equation exactly while its rate is held over a sample:
     no pulses below the lock-in rate, and sqrt(w^2 - w_L^2) in the mean above it.
@@ -72,14 +73,12 @@ class RingLaser(Component):
         description="increment",
     )
 
-    walk = State(3, "rad/s", description="random walk of the angle over the root of the sample period")
     phase_sine = State(3, "1", description="sine of half the phase between the beams")
     phase_cosine = State(3, "1", description="cosine of half of it")
     rest = State(3, "rad", description="angle that has not made a pulse")
 
     @start
     def turn_on(self, noise):
-        self.walk = ring_laser.random_walk(self.lock_in, self.pulse, self.dither_rate) / np.sqrt(self.sample_period)
         phase = np.pi * noise(3)
         self.phase_sine, self.phase_cosine = np.sin(0.5 * phase), np.cos(0.5 * phase)
 
@@ -94,10 +93,11 @@ class RingLaser(Component):
             self.pulse,
             np.where(self.dither_off, self.period, 0.0),
         )
+        walk = ring_laser.random_walk(self.lock_in, self.pulse, self.dither_rate, rate)
         angle = np.where(
             self.dither_off,
             turned * self.pulse / (2.0 * np.pi),
-            (rate + self.walk * noise(3)) * self.period,
+            rate * self.period + walk * np.sqrt(self.period) * noise(3),
         )
         counted, self.rest = increments.counted(angle, self.rest, self.pulse)
         self.increment.publish(

@@ -18,6 +18,9 @@ integral of mean square w_L^2 K / (4 pi f w_D) where psi_0 is as good as random,
 the angle walks, independently of f, by
 
     w_L sqrt(K / (2 pi w_D))  rad per root second                                                                  (2)
+
+A ring that turns at w stands still where the dither goes at -w, with the acceleration 2 pi f sqrt(w_D^2 - w^2): that
+root takes the place of w_D in (2). Faster than w_D it never stands still, and nothing walks.
 """
 
 from __future__ import annotations
@@ -63,6 +66,11 @@ def advance(p, q, rate, lock_in, pulse, period):
     return 2.0 * (half + np.pi * np.sign(rate) * turns), p_after / size, q_after / size
 
 
-def random_walk(lock_in, pulse, dither_rate):
-    """Angle random walk of a ring with random dither, rad per root second: (2)."""
-    return lock_in * np.sqrt(pulse / (2.0 * np.pi * dither_rate))
+def random_walk(lock_in, pulse, dither_rate, rate):
+    """Angle random walk of a ring with random dither that turns at ``rate``, rad per root second: (2).
+
+    Near w_D the root is not taken to be below that at 0.9 w_D, for the size of the dither is random, too.
+    """
+    share = 1.0 - (rate / dither_rate) ** 2
+    slowest = dither_rate * np.sqrt(np.maximum(share, 1.0 - 0.9**2))
+    return np.where(share > 0.0, lock_in * np.sqrt(pulse / (2.0 * np.pi * slowest)), 0.0)

@@ -62,31 +62,52 @@ def test_a_locked_ring_stays_however_long():
     assert advance(0.3, 0.5 * LOCK_IN, LOCK_IN, PULSE, 100.0) == pytest.approx(np.arcsin(0.5) - 0.3, rel=1e-12)
 
 
-def test_dither_leaves_the_random_walk_of_the_formula():
-    """Adler's equation integrated through 12 turns of dither for 600 rings, each with amplitudes of its own (+-20 %).
+def lost_by_lock_in(rate: float, rings=600, swing=100.0, pull=5.0) -> np.ndarray:
+    """Adler's equation integrated through 12 turns of dither, each half turn with an amplitude of its own (+-20 %).
 
-    The phase swings by 100 rad. Bounds are of chi square at 1e-6 with 600 rings, and 3 % for the Fresnel integral of a
-    swing that ends. A walk that depended on the frequency of the dither, or a factor of 2 in its variance, is outside.
+    The phase swings by 100 rad; ``rate`` is that of the ring over that of the dither.
     """
-    rings, halves, steps = 600, 12, 4000
+    halves, steps = 12, 2500
     rng = np.random.default_rng(2)
-    swing, pull, h = 100.0, 5.0, np.pi / steps  # time in units of 1 / (2 pi f); pull is (2 pi / K) w_L
+    h = np.pi / steps  # time in units of 1 / (2 pi f); pull is (2 pi / K) w_L
     psi = 2 * np.pi * rng.random(rings)
     free = psi.copy()
     for half in range(halves):
         size = swing * (1.0 + 0.4 * (rng.random(rings) - 0.5))
         begin = half * np.pi
-        for t in begin + h * np.arange(steps):  # psi' = -size sin t - pull sin psi, by the midpoint
-            move = size * (np.cos(t + h) - np.cos(t))
-            middle = psi + size * (np.cos(t + 0.5 * h) - np.cos(t)) - 0.5 * h * pull * np.sin(psi)
-            psi = psi + move - h * pull * np.sin(middle)
-            free = free + move
-    lost = psi - free
+        for t in begin + h * np.arange(steps):  # psi' = size sin t + rate swing - pull sin psi, by the midpoint
+            move = size * (np.cos(t + h) - np.cos(t)) + rate * swing * h
+            half_way = size * (np.cos(t + 0.5 * h) - np.cos(t)) + 0.5 * rate * swing * h
+            move_pulled = move - h * pull * np.sin(psi + half_way - 0.5 * h * pull * np.sin(psi))
+            psi, free = psi + move_pulled, free + move
+    return psi - free
+
+
+def test_dither_leaves_the_random_walk_of_the_formula():
+    """Bounds are of chi square at 1e-6 with 600 rings, and 3 % for the Fresnel integral of a swing that ends.
+
+    A walk that depended on the frequency of the dither, or a factor of 2 in its variance, is outside.
+    """
+    lost = lost_by_lock_in(0.0)
     # with K = 2 pi angles are phases; size is the peak rate of the dither in them
-    sizes = swing * (1.0 + 0.4 * (np.linspace(0, 1, 1001) - 0.5))
-    expected = np.mean(ring_laser.random_walk(pull, 2 * np.pi, sizes) ** 2) * halves * np.pi
-    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], rings) / rings
+    sizes = 100.0 * (1.0 + 0.4 * (np.linspace(0, 1, 1001) - 0.5))
+    expected = np.mean(ring_laser.random_walk(5.0, 2 * np.pi, sizes, 0.0) ** 2) * 12 * np.pi
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 600) / 600
     assert 0.97 * low < np.mean(lost**2) / expected < 1.03 * high
+
+
+@pytest.mark.parametrize(("rate", "times"), [(-0.8, 1.667), (0.9, 2.294), (1.4, 0.0)])
+def test_a_ring_that_turns_as_fast_as_its_dither_walks_more_and_beyond_it_not_at_all(rate, times):
+    """The variance over that of a ring at rest; a walk of the same size at all rates is outside at 0.9 and 1.4.
+
+    10 % are for the amplitudes, which are all the same in the formula.
+    """
+    at_rest = ring_laser.random_walk(5.0, 2 * np.pi, 100.0, 0.0) ** 2
+    formula = ring_laser.random_walk(5.0, 2 * np.pi, 100.0, 100.0 * rate) ** 2
+    assert formula / at_rest == pytest.approx(times, abs=1e-3)
+    low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 600) / 600
+    found = np.var(lost_by_lock_in(rate)) / (at_rest * 12 * np.pi)
+    assert 0.9 * low * times <= found < 1.1 * high * times + 0.05
 
 
 def test_the_fmu_walks_as_the_formula_says(native):
@@ -106,6 +127,15 @@ def test_pulses_are_whole_and_sum_to_the_angle(native):
     total = np.cumsum(run["increment.angle"][1:], axis=0)
     truth = np.outer(run["time"][1:], (0.01, -0.3, 1e-7))
     assert np.max(np.abs(total - truth)) < 0.5000001 * PULSE
+
+
+def test_a_fast_turn_has_no_walk(native):
+    """At 120 deg/s, beyond the dither, as without lock-in; at rest it walks by tens of pulses in 10 s."""
+    lock_in = 0.05
+    fast, still = (native.run(10.0, 0.01, RECORD, {"lock_in": lock_in, "rate": rate}) for rate in (-2.1, 0.0))
+    total = np.cumsum(fast["increment.angle"][1:], axis=0)
+    assert np.max(np.abs(total + 2.1 * fast["time"][1:, None])) < 0.5000001 * PULSE
+    assert np.max(np.abs(np.sum(still["increment.angle"][1:], axis=0))) > 5.0 * PULSE
 
 
 def test_without_dither_slow_turning_is_not_seen_and_comes_back(native):
