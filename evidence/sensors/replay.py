@@ -47,7 +47,10 @@ STREAMS: dict[tuple[str, str], dict[str, Any]] = {
     ("alfa_engine_failure", "imu"): {},
     ("alfa_engine_failure", "magnetometer"): {},
     ("alfa_engine_failure", "gps"): {"columns": {"velocity_n": ("velocity_north", "velocity_east", "0")}},
-    ("alfa_engine_failure", "pressure"): {"columns": {"impact_pressure": ("dynamic_pressure",)}},
+    ("alfa_engine_failure", "pressure"): {  # whose temperature, 55 degC, is that of the sensor
+        "columns": {"impact_pressure": ("dynamic_pressure",)},
+        "unchecked": True,
+    },
 }
 """Files of flights, and what is said of them."""
 SENSORS = {"air": "air_data", "pressure": "air_data"}

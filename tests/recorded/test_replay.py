@@ -53,8 +53,17 @@ BACK = IMU.copy()
 BACK.loc[100, "time"] = BACK.loc[98, "time"] - 0.001
 HOLE = IMU.copy()
 HOLE.loc[41, "rate_y"] = np.nan
+LEAP = IMU.assign(time=np.where(TIME > 30.0, TIME + 1e6, TIME))
+
+
+def one(frame, column, number):
+    """A frame with this number in its eighth row."""
+    return frame.assign(**{column: np.where(np.arange(len(frame)) == 7, number, frame[column])})
+
+
 FAR = IMU.assign(time=IMU["time"] + 1e6)
 PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
+STATIC = AIR.drop(columns="pressure_altitude").assign(static_pressure=PRESSURE)
 
 
 @pytest.mark.parametrize(
@@ -145,13 +154,30 @@ PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
         # time
         ("imu", BACK, {}, r"made.csv, line 102: the time goes back, from \d+\.\d+ s to"),
         ("imu", IMU.assign(time=np.where(TIME > 1.0, np.nan, TIME)), {}, r"line \d+: 'time' is nan; expected a time"),
-        ("imu", FAR, {}, r"the first time is 1000000\.01 s, .*pass --start 1000000\.01"),
+        ("imu", FAR, {}, r"the first time is 1000000\.0123 s, .*pass --start 1000000\.012 "),
         ("imu", IMU.assign(time=TIME * 1e3), {}, r"time between samples is \d\d\.?\d* s; .*in ms\? --unit time=ms"),
         ("imu", IMU.assign(time=TIME * 1e6), {}, r"time between samples is \d\S* s; .*in us\? --unit time=us"),
         ("imu", IMU, {"units": {"time": "us"}}, r"time between samples is \d\.?\d*e-08 s; expected 1e-05 to 1 s"),
         ("gps", GPS.assign(time=SLOW * 1e3), {}, r"time between samples is \d+\.?\d* s; .*in ms\?"),
         ("imu", IMU.assign(time=np.floor(TIME)), {}, r"time of 2\d\d\d of 3000 samples is that of the next one"),
         ("imu", IMU.assign(time=1.0), {}, r"time of 2999 of 3000 samples is that of the next one"),
+        ("imu", IMU.assign(time=(TIME * 1e9).round()), {}, r"time between samples is \d\S*e\+07 s; .*--unit time=ns"),
+        ("imu", IMU.assign(time=(TIME + 1.3e9) * 1e9), {}, r"time between samples is \d\S*e\+07 s; .*--unit time=ns"),
+        ("imu", IMU.assign(time=TIME + 1349888224.7), {}, r"the first time is 1349888224\.71.* --start 1349888224\.71"),
+        (
+            "imu",
+            IMU.assign(time=np.append(TIME[:-1], 1e300)),
+            {},
+            r"time leaps by 1e\+300 s after t = .* a clock was set",
+        ),
+        ("imu", LEAP, {}, r"time leaps by 1000000\.0\d+ s after t = .* a clock was set"),
+        ("imu", BACK.assign(time=BACK["time"] + 1349888220.0), {"start": 1349888220.0}, r"from (\d+\.\d+) s to (?!\1)"),
+        (
+            "imu",
+            IMU.assign(time_of_validity=TIME - 1 + TIME % 1),
+            {},
+            r"time_of_validity goes back \d\d times, first after",
+        ),
         ("imu", IMU, {"start": 1e3}, r"no sample is left; see --start"),
         ("imu", IMU, {"age": -1.0}, r"--age is -1 s: a sample cannot hold for a time to come"),
         ("imu", IMU.assign(made=TIME + 1.0), {"columns": {"time_of_validity": ("made",)}}, r"after the time at which"),
@@ -191,6 +217,52 @@ PRESSURE = 101325.0 * (1.0 - 2.25577e-5 * AIR["pressure_altitude"]) ** 5.25588
         ("imu", IMU, {"values": {"rate": ("1", "2")}}, r"--value rate: 2 numbers are given; expected 3"),
         ("imu", IMU, {"add": {"rate": ("fast",)}}, r"--add rate: 'fast' is no number"),
         ("gps", GPS.assign(latitude=0.0, longitude=0.0), {}, r"latitude and longitude are 0 in all rows"),
+        (
+            "gps",
+            one(one(GPS, "latitude", 0.0), "longitude", 0.0),
+            {},
+            r"are 0 in 1 of 200 rows: the receiver had no fix",
+        ),
+        ("gps", scaled(GPS, 1 / 0.3048, "altitude"), {}, r"altitude changes by 3\.\d+ times .*in ft\?"),
+        ("gps", scaled(GPS, 180e7 / np.pi, "latitude", "longitude"), {}, r"in 1e-7 deg\? --unit latitude='1e-7 deg'"),
+        (
+            "gps",
+            GPS.drop(columns="velocity_down"),
+            {},
+            r"--column velocity_n=velocity_north,velocity_east,0 \(a number",
+        ),
+        # single numbers
+        ("magnetometer", one(MAG, "field_y", 999.0), {}, r"field_b is .*999, .* T at t = 0\.\d+ s, and in 1 sample"),
+        ("imu", one(IMU, "rate_x", -9999.0), {}, r"rate is -9999, .* rad/s at t = .*does it stand for nothing\?"),
+        ("air_data", one(AIR.assign(mach=0.14), "mach", -99.0), {}, r"mach is -99 at t = .* below -0\.5 or above 5;"),
+        (
+            "air_data",
+            one(STATIC, "static_pressure", -5.0),
+            {},
+            r"line 9: static_pressure or pressure_altitude is empty",
+        ),
+        ("air_data", AIR.assign(temperature=-5.0), {}, r"temperature is -5 K .*in degC\?"),
+        ("air_data", AIR.assign(temperature=328.5), {}, r"temperature is 328\.5 K .*that of the sensor itself\?"),
+        ("air_data", AIR.assign(mach=45.0), {}, r"mach is 45 in the middle"),
+        (
+            "air_data",
+            AIR.assign(impact_pressure=-1300.0 + 50.0 * AIR["time"] % 9),
+            {},
+            r"impact_pressure is -1\d\d\d Pa",
+        ),
+        (
+            "air_data",
+            AIR.assign(impact_pressure=-200.0 + AIR["time"] % 9),
+            {},
+            r"as if total and static were exchanged",
+        ),
+        ("imu", IMU, {"columns": {"rate": tuple(FORCE)}}, r"'specific_force_x' is taken for rate, too"),
+        (
+            "air_data",
+            renamed(AIR, calibrated_airspeed="dynamic_pressure"),
+            {},
+            r"did you mean 'dynamic_pressure'\?.*--column impact_pressure=\.\.\.",
+        ),
     ],
 )
 def test_a_mistake_is_a_sentence(sensor, frame, asked, sentence, take):
@@ -300,7 +372,9 @@ def test_gaps_repeats_and_equal_times_are_told(take):
 def test_a_wild_time_at_the_end_is_a_gap(take):
     """Fails where memory is taken for each second that passes."""
     wild = IMU.assign(time=np.append(TIME[:-1], 1e13))
-    assert any("1 gap(s)" in s and "the longest lasts 1e+13 s" in s for s in take("imu", wild).sentences())
+    assert any(
+        "1 gap(s)" in s and "the longest lasts 1e+13 s" in s for s in take("imu", wild, unchecked=True).sentences()
+    )
 
 
 def test_what_is_not_plausible_is_taken_when_told_so(take):
@@ -358,8 +432,9 @@ def test_files_that_are_none(tmp_path):
         ("a.csv", b"", "this is no CSV table with a header line"),
         ("b.csv", b"time,rate_x\n", "has no rows"),
         ("d.csv", b"time,rate_x,rate_x\n0,1,2\n", "has two columns 'rate_x'"),
-        ("e.csv", b"time,rate_x\n0,1,2\n1,2,3\n", "this is no CSV table"),
+        ("e.csv", b"time,rate_x\n0,1,2\n1,2,3\n", "rows have more fields than the header"),
         ("f.csv", b"time,rate_x\n0,1\n1,2,3\n", "this is no CSV table"),
+        ("g.csv", b"time,rate_x\n0,02,1,5\n0,04,1,5\n", "rows have more fields than the header .*points in numbers"),
         ("c.csv", b"time;rate_x\n0,1;0,2\n", "the columns are separated by ';'; expected commas"),
         ("a.mat", b"", "cannot tell the format from the name"),
     ):
@@ -368,3 +443,32 @@ def test_files_that_are_none(tmp_path):
             read(tmp_path / name)
     with pytest.raises(NavfmuError, match="no such file; expected recorded samples"):
         read(tmp_path / "none.csv")
+
+
+def test_what_pandas_writes_by_itself_is_read(tmp_path):
+    """An index that has a name, a mark of byte order, and whole numbers that are longer than any float."""
+    IMU.set_index("time").to_parquet(tmp_path / "a.parquet")
+    pd.testing.assert_frame_equal(read(tmp_path / "a.parquet").frame, IMU)
+    IMU.to_csv(tmp_path / "a.csv", index=False, encoding="utf-8-sig")
+    assert read(tmp_path / "a.csv").names == list(IMU.columns)
+    (tmp_path / "b.csv").write_text("time,rate_x\n0,1" + 400 * "0" + "\n1,0.5\n")
+    assert list(read(tmp_path / "b.csv").numbers("rate_x")) == [np.inf, 0.5]
+
+
+def test_a_number_that_none_can_be_is_worked_out_and_told(take):
+    """A pressure or a temperature of 0 and less would become NaN in a valid sample."""
+    frame = one(
+        one(AIR.assign(static_pressure=PRESSURE, temperature=285.0), "static_pressure", 0.0), "temperature", -1.0
+    )
+    imported = take("air_data", frame)
+    told = columns(imported)
+    for name in ("static_pressure", "temperature"):
+        assert told[f"{name}_known"][7] == 0.0 and told[f"{name}_known"].sum() == len(frame) - 1
+        assert f"{name} is missing in 1 of 3000 samples, where it is worked out of the others" in imported.sentences()
+
+
+def test_the_tick_of_which_none_is_lost_is_not_longer_than_the_shortest_interval(take):
+    """5.4657 ms told as 5.47 ms would lose the second of these samples."""
+    frame = IMU[:200].assign(time=0.0054657 * np.arange(1, 201))
+    (told,) = [sentence for sentence in take("imu", frame).sentences() if "or less none is lost" in sentence]
+    assert "of 0.00546 s or less" in told

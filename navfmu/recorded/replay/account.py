@@ -49,6 +49,9 @@ def sentences(samples: Samples, tick: float) -> Iterator[str]:
         yield f"{samples.before} sample(s) before t = 0 are left out"
     if samples.incomplete:
         yield f"{samples.incomplete} incomplete row(s) are samples that are not valid, with the values of the last one"
+    for name, known in samples.known.items():
+        if gone := int(np.count_nonzero(samples.valid & ~known)):
+            yield f"{name} is missing in {gone} of {len(samples)} samples, where it is worked out of the others"
     if (invalid := int(np.count_nonzero(~samples.valid))) > samples.incomplete:
         yield f"{invalid} sample(s) are not valid"
     if len(places := gaps(samples)):
@@ -72,7 +75,7 @@ def sentences(samples: Samples, tick: float) -> Iterator[str]:
         yield (
             f"with ticks of {tick:g} s {gone} of {len(samples)} samples are lost, since a later one comes in the same "
             "tick; `sequence` jumps there, and who takes the samples counts them. With tick_period, and steps of the "
-            f"master, of {least:.3g} s or less none is lost that has a time of its own"
+            f"master, of {_below(least)} s or less none is lost that has a time of its own"
         )
     values = {name: value[samples.valid] for name, value in samples.values.items() if samples.sources[name].columns}
     if "specific_force" in values:
@@ -85,6 +88,12 @@ def sentences(samples: Samples, tick: float) -> Iterator[str]:
         size = 1e6 * np.linalg.norm(values["field_b"], axis=1)
         yield f"the field is {np.median(size):.1f} uT in the middle, {size.min():.1f} to {size.max():.1f} uT"
     yield from samples.remarks
+
+
+def _below(number: float) -> str:
+    """Three digits of a number, rounded down: with a longer tick two samples would come in one."""
+    unit = 10.0 ** (np.floor(np.log10(number)) - 2.0) if number > 0.0 else 1.0
+    return f"{np.floor(number / unit * (1.0 + 1e-12)) * unit:.3g}"
 
 
 def ranges(samples: Samples) -> Iterator[tuple[str, str, float, float, float]]:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navfmu.recorded.replay.samples import Samples
+from navfmu.recorded.replay.samples import Samples, seconds
 from navfmu.recorded.replay.units import UNITS, alike
 
 FAST, SLOW, SLOWEST = 1e-5, 1.0, 30.0
@@ -38,13 +38,35 @@ STRETCH = 5.0
 """s over which what the velocity carries is compared with the change of position."""
 OUTSIDE = {  # whose medians lie in these bounds, in the player's units
     "static_pressure": (2e4, 1.1e5),
-    "temperature": (180.0, 340.0),
+    "temperature": (180.0, 325.0),
     "impact_pressure": (-500.0, 6e4),
     "calibrated_airspeed": (-10.0, 350.0),
     "true_airspeed": (-10.0, 350.0),
     "pressure_altitude": (-1000.0, 20e3),
     "altitude": (-1000.0, 30e3),
+    "mach": (-0.1, 3.0),
 }
+
+
+LIMITS = {
+    "rate": (-100.0, 100.0),
+    "specific_force": (-1000.0, 1000.0),
+    "field_b": (-1e-3, 1e-3),
+    "velocity_n": (-2000.0, 2000.0),
+    "altitude": (-2000.0, 100e3),
+    "static_pressure": (1.0, 1.2e5),
+    "temperature": (100.0, 400.0),
+    "impact_pressure": (-2e4, 2e5),
+    "calibrated_airspeed": (-100.0, 1000.0),
+    "true_airspeed": (-100.0, 1000.0),
+    "pressure_altitude": (-2000.0, 100e3),
+    "mach": (-0.5, 5.0),
+}
+"""What no single number of a sensor is beyond, in the player's units: others stand for nothing, or are glitches."""
+LEAP = (600.0, 10.0)
+"""s, and times all the rest: an interval that is longer is no gap, but a clock that was set."""
+OLDEST = 60.0
+"""s from the time that a sample holds for to when it comes."""
 
 
 def doubts(samples: Samples) -> Iterator[str]:
@@ -68,6 +90,7 @@ def doubts(samples: Samples) -> Iterator[str]:
     yield from _angles(values)
     yield from _motion(good.time, values)
     yield from _air(values, good.known)
+    yield from _beyond(samples)
 
 
 def _times(samples: Samples) -> Iterator[str]:
@@ -81,6 +104,14 @@ def _times(samples: Samples) -> Iterator[str]:
             "tell them apart: --column time=..."
         )
         return
+    at, longest = int(np.argmax(interval)), float(np.max(interval))
+    if longest > max(LEAP[0], LEAP[1] * (rest := float(np.sum(np.delete(interval, at))))):
+        yield (
+            f"time leaps by {seconds(longest)} s after t = {seconds(samples.time[at])} s, and all the others take "
+            f"{seconds(rest)} s: a clock was set"
+        )
+        return
+    yield from _validity(samples)
     usual, slowest = float(np.median(interval[interval > 0.0])), SLOW if SLOW_ONES & set(samples.values) else SLOWEST
     if not FAST <= usual <= slowest:
         fit = [n for n in alike("s") if n != "s" and 2e-3 <= usual * UNITS[n].factor <= slowest]
@@ -88,20 +119,54 @@ def _times(samples: Samples) -> Iterator[str]:
         yield f"time between samples is {usual:.4g} s; expected {FAST:g} to {slowest:g} s{hint}"
 
 
+def _validity(samples: Samples) -> Iterator[str]:
+    """Find times of validity in another order than the samples, or of long ago."""
+    told = samples.time_of_validity[samples.valid]
+    if len(told) and (oldest := float(np.max(samples.time[samples.valid] - told))) > OLDEST:
+        yield f"time_of_validity is up to {seconds(oldest)} s before a sample comes; expected at most {OLDEST:g} s"
+    elif np.any(back := np.diff(told) < 0.0):
+        at = seconds(told[int(np.argmax(back))])
+        yield f"time_of_validity goes back {int(np.count_nonzero(back))} times, first after {at} s"
+
+
+def _beyond(samples: Samples) -> Iterator[str]:
+    """Find single numbers that no sensor reads, such as -9999 for nothing."""
+    for name, (low, high) in LIMITS.items():
+        if name in samples.values and samples.sources[name].columns:
+            value = samples.values[name]
+            seen = samples.valid & samples.known.get(name, np.ones(len(samples), bool))
+            out = seen & ((value < low) | (value > high)).reshape(len(samples), -1).any(axis=1)
+            if 0 < (count := int(np.count_nonzero(out))) <= len(samples) // 2:
+                at = int(np.argmax(out))
+                size = ", ".join(f"{x:.4g}" for x in np.atleast_1d(value[at]))
+                unit = next(q.unit for q in samples.wanted.quantities if q.name == name)
+                unit = "" if unit == "1" else f" {unit}"
+                yield (
+                    f"{name} is {size}{unit} at t = {seconds(samples.time[at])} s, and in {count} sample(s) below "
+                    f"{low:g} or above {high:g}{unit}; does it stand for nothing? Empty cells do, with --incomplete "
+                    "invalid"
+                )
+
+
 def _within(name: str, size: np.ndarray, unit: str, bounds: tuple[float, float], what: str) -> Iterator[str]:
     middle, (low, high) = float(np.median(size)), bounds
     if low <= middle <= high:
         return
-    yield (
-        f"{name} is {middle:.4g} {unit} in the middle of the file; {what} is {low:.4g} to {high:.4g} {unit}"
-        + _unit_hint(name, middle, unit, bounds)
-    )
+    told = "" if unit == "1" else f" {unit}"
+    hint = _unit_hint(name, middle, unit, bounds)
+    if name == "temperature" and not hint:
+        hint = "; that of the sensor itself? --value temperature='15 degC' gives another one"
+    yield f"{name} is {middle:.4g}{told} in the middle of the file; {what} is {low:.4g} to {high:.4g}{told}{hint}"
 
 
 def _unit_hint(name: str, value: float, unit: str, bounds: tuple[float, float]) -> str:
     """Say which units would do, if there are."""
     low, high = bounds
-    fit = [n for n in alike(unit) if n != unit and low <= value * UNITS[n].factor + UNITS[n].offset <= high]
+    fit = [
+        n
+        for n in (alike(unit) if unit != "1" else [])
+        if n != unit and low <= value * UNITS[n].factor + UNITS[n].offset <= high
+    ]
     return f". Are the numbers in {' or '.join(fit)}? --unit {name}='{fit[0]}' says so" if fit else ""
 
 
@@ -183,14 +248,17 @@ def _turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 def _angles(values: dict[str, np.ndarray]) -> Iterator[str]:
     for name, bound in (("latitude", 0.5 * np.pi), ("longitude", 2.0 * np.pi), ("roll", 2.0 * np.pi), ("pitch", 1.6)):
         if name in values and (largest := float(np.max(np.abs(values[name])))) > bound:
-            yield (
-                f"{name} is as large as {largest:.4g} rad; expected at most {bound:.3g}. Are the numbers in deg? "
-                f"--unit {name}='deg' says so"
-            )
+            unit = "deg" if largest * DEGREE <= 1.01 * bound else "1e-7 deg"
+            hint = f". Are the numbers in {unit}? --unit {name}='{unit}' says so"
+            fits = largest * DEGREE * (1.0 if unit == "deg" else 1e-7) <= 1.01 * bound
+            yield f"{name} is as large as {largest:.4g} rad; expected at most {bound:.3g}" + (hint if fits else "")
             return
     if {"latitude", "longitude"} <= set(values):
-        if np.all(values["latitude"] == 0.0) and np.all(values["longitude"] == 0.0):
-            yield "latitude and longitude are 0 in all rows: the receiver had no fix"
+        none = (values["latitude"] == 0.0) & (values["longitude"] == 0.0)
+        if none.any():
+            count = "all" if none.all() else f"{int(none.sum())} of {len(none)}"
+            yield f"latitude and longitude are 0 in {count} rows: the receiver had no fix"
+            return
 
 
 def _motion(time: np.ndarray, values: dict[str, np.ndarray]) -> Iterator[str]:
@@ -218,6 +286,12 @@ def _motion(time: np.ndarray, values: dict[str, np.ndarray]) -> Iterator[str]:
             "velocity_n points up where the altitude rises, and its third part is down: "
             "--axes velocity_n=x,y,-z for north, east, up; velocity_n=y,x,-z for east, north, up"
         )
+    elif min(_rms(flown[:, 2]), _rms(carried[:, 2])) > 0.5 * STRETCH:
+        scale = _rms(flown[:, 2]) / _rms(carried[:, 2])
+        if np.corrcoef(flown[:, 2], carried[:, 2])[0, 1] > 0.8 and not 0.5 < scale < 2.0:
+            yield f"altitude changes by {scale:.3g} times what velocity_n carries" + _factor_hint(
+                "altitude", scale, "m", 1.4
+            )
 
 
 def _motion_hint(flown: np.ndarray, carried: np.ndarray, level: float) -> str:
@@ -240,8 +314,8 @@ def _rms(x: np.ndarray) -> float:
     return float(np.sqrt(np.sum(x * x) / max(len(x), 1)))
 
 
-def _factor_hint(name: str, factor: float, unit: str) -> str:
-    fit = [n for n in alike(unit) if n != unit and 0.9 < factor * UNITS[n].factor < 1.1]
+def _factor_hint(name: str, factor: float, unit: str, about: float = 1.1) -> str:
+    fit = [n for n in alike(unit) if n != unit and 1.0 / about < factor * UNITS[n].factor < about]
     return f". Are the numbers in {fit[0]}? --unit {name}='{fit[0]}' says so" if fit else ""
 
 
@@ -260,6 +334,11 @@ def _air(values: dict[str, np.ndarray], known: dict[str, np.ndarray]) -> Iterato
                 f"pressure_altitude is {abs(apart):.0f} m {'above' if apart > 0.0 else 'below'} the standard altitude "
                 "of static_pressure" + _factor_hint("pressure_altitude", scale, "m")
             )
+    if "impact_pressure" in values:
+        low, high = np.quantile(values["impact_pressure"], [0.02, 0.98])
+        if -low > max(100.0, 2.0 * high):
+            bounds = f"down to {low:.4g} Pa and up to {high:.4g} Pa"
+            yield f"impact_pressure goes {bounds}, as if total and static were exchanged"
     if both("impact_pressure", "calibrated_airspeed"):
         speed = np.sqrt(2.0 * np.maximum(values["impact_pressure"], 0.0) / 1.225)
         fast = (speed > 8.0) & (values["calibrated_airspeed"] > 8.0)

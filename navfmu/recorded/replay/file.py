@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from dataclasses import dataclass, field
@@ -40,7 +41,7 @@ class File:
         """Return a column (rows,) as floats; an empty cell is NaN, and what is no number a sentence."""
         column = self.frame[name]
         if column.dtype.kind not in "biuf":
-            given = pd.to_numeric(column, errors="coerce") if column.dtype.kind != "M" else column.astype(object)
+            given = _numbers(column) if column.dtype.kind != "M" else column.astype(object)
             wrong = given.isna() & column.notna() if column.dtype.kind != "M" else column.notna()
             if wrong.any():
                 at = int(np.argmax(wrong.to_numpy()))
@@ -58,16 +59,18 @@ def read(path: str | Path) -> File:
     if kind not in KINDS[:2]:
         raise NavfmuError(f"{path}: cannot tell the format from the name; expected {', '.join(KINDS)} at its end")
     try:
-        if kind == ".csv":
-            frame = _text(path)
-        else:
-            frame = pd.read_parquet(path)
+        frame = _text(path) if kind == ".csv" else _parquet(path)
     except OSError as problem:
         if problem.errno is not None:
             raise unreadable(path, problem) from None
         raise _other_format(path, kind, problem) from None
     except NavfmuError:
         raise
+    except pd.errors.ParserWarning:
+        raise NavfmuError(
+            f"{path}: rows have more fields than the header has names; expected as many, separated by commas, and "
+            "points in numbers"
+        ) from None
     except Exception as problem:  # of pandas, of Arrow, of what they are built on
         raise _other_format(path, kind, problem) from None
     return of(path, frame, 2 if kind == ".csv" else None)
@@ -81,10 +84,32 @@ def _text(path: Path) -> pd.DataFrame:
         warnings.simplefilter("error", pd.errors.ParserWarning)  # rows longer than the header
         first = pd.read_csv(path, header=None, nrows=1, dtype=str, keep_default_na=False, **options)
         header = first.iloc[0].to_list()
-        if len(header) == 1 and (mark := next((mark for mark in ";\t" if mark in header[0]), None)):
+        if len(header) == 1 and (mark := next((mark for mark in ";\t| " if mark in header[0].strip()), None)):
             raise NavfmuError(f"{path}: the columns are separated by {mark!r}; expected commas, and points in numbers")
         frame = pd.read_csv(path, low_memory=False, **options)
     return frame.set_axis(header, axis=1)
+
+
+def _numbers(column: pd.Series) -> pd.Series:
+    try:
+        return pd.to_numeric(column, errors="coerce")
+    except OverflowError:  # a whole number of hundreds of digits
+        return column.map(_number)
+
+
+def _number(text: object) -> float:
+    try:
+        return float(text)
+    except OverflowError:
+        return math.inf
+    except (TypeError, ValueError):
+        return math.nan
+
+
+def _parquet(path: Path) -> pd.DataFrame:
+    """Read a Parquet file; an index that has a name is a column like others."""
+    frame = pd.read_parquet(path)
+    return frame.reset_index() if any(frame.index.names) else frame
 
 
 def _other_format(path: Path, kind: str, problem: Exception) -> NavfmuError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from navfmu.recorded.replay import account
 from navfmu.recorded.replay.asked import TIME_UNITS, Asked
 from navfmu.recorded.replay.doubts import doubts
 from navfmu.recorded.replay.file import File
-from navfmu.recorded.replay.samples import Samples, share, silence, take
+from navfmu.recorded.replay.samples import Samples, seconds, share, silence, take
 from navfmu.recorded.replay.wanted import Wanted, wanted
 
 SUFFIX = "_replay"
@@ -105,6 +106,9 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
             if not asked.unchecked:
                 raise NavfmuError(f"{file.path}: {sentence}. If all is as it should be, --unchecked takes it")
             one.remarks.append(f"not plausible, and taken: {sentence}")
+    for one in samples.values():
+        if one and asked.start is None:
+            _check_begin(file, one)
     used = {c for one in samples.values() if one for source in one.sources.values() for c in source.columns}
     used |= {asked.columns.get(name, (name,))[0] for name in ("time", "time_of_validity", "valid")}
     tick = float(describe(player).variable("tick_period", player).start)
@@ -127,6 +131,17 @@ def _check_used(file: File, asked: Asked, taken: list[Samples]) -> None:
     ]
     if "" in asked.axes and not turned:
         raise NavfmuError(f"--axes {','.join(asked.axes[''])}: there is no vector in body axes; say --axes NAME=...")
+
+
+def _check_begin(file: File, samples: Samples) -> None:
+    """Refuse times of another beginning, such as 1970."""
+    first, last = samples.time[[0, -1]]
+    if first > 60.0 and first > last - first:
+        start = seconds(math.floor(1e3 * first) / 1e3)
+        raise NavfmuError(
+            f"{file.path}: the first time is {seconds(first)} s, so for longer than it lasts nothing would come; pass "
+            f"--start {start} to begin with it, the same for all sensors of a recording (or --start 0)"
+        )
 
 
 def _nothing(file: File, found: list[Wanted]) -> None:

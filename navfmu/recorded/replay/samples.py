@@ -13,6 +13,8 @@ from navfmu.recorded.replay.asked import Asked, amount, check_turn, scale, turn
 from navfmu.recorded.replay.file import File
 from navfmu.recorded.replay.wanted import Quantity, Wanted
 
+ABSOLUTE = ("static_pressure", "temperature")
+"""What is above 0, whatever it is: 0 or less stands for no number, where most are above."""
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
@@ -116,6 +118,7 @@ def take(file: File, wanted: Wanted, asked: Asked) -> Samples:
     """Return the samples that a file holds for a table."""
     found = {quantity.name: _columns(file, quantity, asked) for quantity in wanted.quantities}
     _check_found(file, wanted, asked, found)
+    _check_shared(found)
     time, validity = _times(file, asked)
     values, sources = {}, {}
     for quantity in wanted.quantities:
@@ -203,18 +206,29 @@ def _check_found(file: File, wanted: Wanted, asked: Asked, found: dict[str, tupl
             usual = max(quantity.usual, key=lambda columns: len(set(columns) & set(free)))
             missing = [column for column in usual if column not in free]
             hint = next((near for name in missing if (near := nearest(name, set(free) - set(usual)))), ".")
+            some = len(missing) < len(usual)
+            told = ",".join("0" if column in missing else column for column in usual) if some else "..."
             raise NavfmuError(
                 f"{file.path}: there is no column for {quantity.name}: {', '.join(missing)}{hint} Its columns are "
-                f"{', '.join(file.names)}: name some with --column {quantity.name}=..., or give a value with "
-                f"--value {quantity.name}=..."
+                f"{', '.join(file.names)}: name some with --column {quantity.name}={told}"
+                + (" (a number stands for what was not recorded)" if some else f", or give --value {quantity.name}=...")
             )
     for group in wanted.one_of:
         if not any(map(given, group)):
-            hint = next((near for name in group if (near := nearest(name, free))), ".")
+            name, hint = next(((name, near) for name in group if (near := nearest(name, free))), (group[0], "."))
             raise NavfmuError(
                 f"{file.path}: there is no column for {' or '.join(group)}, of which one is needed{hint} Its columns "
-                f"are {', '.join(file.names)}: name one with --column {group[-1]}=..."
+                f"are {', '.join(file.names)}: name one with --column {name}=..."
             )
+
+
+def _check_shared(found: dict[str, tuple[str, ...]]) -> None:
+    """Refuse a column for two quantities."""
+    taken: dict[str, str] = {}
+    for name, columns in found.items():
+        for column in columns:
+            if not _NUMBER.fullmatch(column) and taken.setdefault(column, name) != name:
+                raise NavfmuError(f"--column {name}={','.join(columns)}: '{column}' is taken for {taken[column]}, too")
 
 
 def _times(file: File, asked: Asked) -> tuple[np.ndarray, np.ndarray]:
@@ -230,13 +244,8 @@ def _times(file: File, asked: Asked) -> tuple[np.ndarray, np.ndarray]:
     if back.any():
         at = int(np.argmax(back)) + 1
         raise NavfmuError(
-            f"{file.path}, {file.row(at)}: the time goes back, from {time[at - 1]:.9g} s to {time[at]:.9g} s; expected "
-            "rows in the order of time"
-        )
-    if asked.start is None and time[0] > 60.0 and time[0] > time[-1] - time[0]:
-        raise NavfmuError(
-            f"{file.path}: the first time is {time[0]:.9g} s, so for longer than it lasts nothing would come; pass "
-            f"--start {time[0]:.9g} to begin with it, the same for all sensors of a recording (or --start 0)"
+            f"{file.path}, {file.row(at)}: the time goes back, from {seconds(time[at - 1])} s to "
+            f"{seconds(time[at])} s; expected rows in the order of time"
         )
     (column,) = asked.columns.get("time_of_validity", ("time_of_validity",))
     if column not in file.names and "time_of_validity" not in asked.columns:
@@ -246,10 +255,15 @@ def _times(file: File, asked: Asked) -> tuple[np.ndarray, np.ndarray]:
     if late.any() and not asked.unchecked:
         at = int(np.argmax(late))
         raise NavfmuError(
-            f"{file.path}, {file.row(at)}: time_of_validity is {validity[at]:.9g} s, after the time at which the "
-            f"sample comes, {time[at]:.9g} s"
+            f"{file.path}, {file.row(at)}: time_of_validity is {seconds(validity[at])} s, after the time at "
+            f"which the sample comes, {seconds(time[at])} s"
         )
     return time - _start(asked), validity - _start(asked) - asked.age
+
+
+def seconds(time: float) -> str:
+    """A time with all the digits that tell samples apart, also in seconds of 1970."""
+    return f"{time:.6f}".rstrip("0").rstrip(".") if abs(time) < 1e12 else f"{time:.6g}"
 
 
 def _time(file: File, name: str, column: str, asked: Asked) -> np.ndarray:
@@ -290,6 +304,8 @@ def _converted(file: File, quantity: Quantity, columns: tuple[str, ...], asked: 
     value = np.stack(parts, axis=1)
     if (factor, offset) != (1.0, 0.0):
         value = value * factor + offset
+    if quantity.name in ABSOLUTE and np.count_nonzero(value > 0.0) > 0.5 * rows:
+        value = np.where(value > 0.0, value, np.nan)
     axes = _axes(quantity, asked)
     if axes:
         if quantity.frame == "b":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from navfmu.fmi.units import COMMON, Unit
 
 UNITS = COMMON | {
+    "ns": Unit("ns", COMMON["s"].exponents, 1e-9),
     "us": Unit("us", COMMON["s"].exponents, 1e-6),
     "G": Unit("G", COMMON["T"].exponents, 1e-4),
 }
