@@ -14,7 +14,7 @@ from models.earth.earth import STANDARD_GRAVITY
 from models.inertial import axes, flicker, heating, latency, shaping
 from models.processes import gauss_markov
 from models.processes.known import known
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 _DEFAULT = INERTIAL["automotive"].values
 ROOM = 293.15
@@ -171,6 +171,11 @@ class Imu(
     flicker_decay = State(flicker.DECADES, 1, "1", description="exp(-T / tau_i) of the flicker noise")
     thermal_decay = State("1", description="exp(-T/tau) of the temperature")
     taken = State(kind="integer", description="samples taken so far")
+
+    @require("a resolution is larger than the range of its axis; expected steps that fit into it, or 0 for none")
+    def steps_fit_the_range(self):
+        fits = [(sensors.range == 0.0) | (sensors.resolution <= sensors.range) for sensors in self.triads()]
+        return np.all(np.stack(fits))
 
     def triads(self):
         """Gyros and accelerometers."""

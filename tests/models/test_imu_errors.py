@@ -8,6 +8,7 @@ from scipy import stats
 
 from fmus.inertial.imu import Imu
 from models.inertial import latency
+from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 from tests.models.test_imu import QUIET, RECORD
 
@@ -101,6 +102,13 @@ def test_readings_come_in_whole_steps_and_are_rounded_anew_each_time():
     for k in range(50):
         run.do_step(0.01 * k, 0.01)
         np.testing.assert_array_equal(run.get("reading.rate"), 0.0)
+
+
+def test_steps_that_do_not_fit_into_the_range_are_refused():
+    """No reading but 0 would be possible, whatever the unit does."""
+    with pytest.raises(NavfmuError, match="a resolution is larger than the range of its axis; expected steps that fit"):
+        sample(accelerometer_range=(0.0, 0.0, 20.0), accelerometer_resolution=(1.0, 1.0, 50.0))
+    sample(accelerometer_range=(0.0, 0.0, 20.0), accelerometer_resolution=(1.0, 1.0, 20.0))
 
 
 @pytest.mark.parametrize("late", [0, 1, 3, latency.LONGEST])
