@@ -12,9 +12,11 @@ from rich.text import Text
 
 from navfmu.cli import options
 from navfmu.errors import NavfmuError
+from navfmu.files.archive import open_archive, read_entry
 from navfmu.fmi import names
 from navfmu.fmi.description import Description, Variable, refuse_lenient
 from navfmu.fmi.fmu import binaries, describe, platforms
+from navfmu.recorded.page import ACCOUNT
 from navfmu.ssp import reader
 from navfmu.system import shipped
 from navfmu.system.display import Display
@@ -78,7 +80,15 @@ def _show_fmu(path: Path, strict: bool) -> None:
     ):
         if chosen:
             out.print(_variables(chosen, about, f"{len(chosen)} {title}"))
+    _list(out, "recording, as it was imported", _account(path))
     _list(out, "read leniently", about.lenient)
+
+
+def _account(path: Path) -> list[str]:
+    """What was said of the recording that an FMU plays, without the numbers; nothing if it plays none."""
+    with open_archive(path, "FMU") as archive:
+        text = read_entry(archive, ACCOUNT, path).decode() if ACCOUNT in archive.namelist() else ""
+    return [line for line in text.split("\n\n")[1].splitlines() if line] if text.count("\n\n") else []
 
 
 def _line(out: Console, name: str, text: str) -> None:

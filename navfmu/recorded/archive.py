@@ -10,10 +10,10 @@ from navfmu.files.markup import parse
 from navfmu.files.writing import write_file
 from navfmu.fmi.tables import contents, read, replaced
 from navfmu.recorded.importer import Imported
+from navfmu.recorded.page import recorded
 
 TABLE = "track"
 DESCRIPTION = "modelDescription.xml"
-ACCOUNT = "documentation/import.txt"
 
 
 def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str | None = None) -> Path:
@@ -31,8 +31,7 @@ def write_fmu(imported: Imported, player: str | Path, out: str | Path, name: str
         f"t = 0 is {flight.start:g} s of the recording"
     )
     files[DESCRIPTION] = described(files[DESCRIPTION], name, text, flight.duration)
-    files[ACCOUNT] = _account(imported, name).encode()
-    return write_file(out, zipped(files))
+    return write_file(out, zipped(recorded(files, name, text, _account(imported, name))))
 
 
 def described(xml: bytes, name: str, text: str, duration: float) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 
 import fmpy
 import numpy as np
@@ -10,6 +11,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
+from navfmu.cli.info import show
 from navfmu.cli.main import main
 from navfmu.errors import NavfmuError
 from navfmu.recorded.replay.asked import Asked
@@ -443,6 +445,28 @@ def test_files_that_are_none(tmp_path):
             read(tmp_path / name)
     with pytest.raises(NavfmuError, match="no such file; expected recorded samples"):
         read(tmp_path / "none.csv")
+
+
+def test_the_page_and_info_are_those_of_the_recording(take, tmp_path, capsys):
+    """The page was that of the player: a minute of rolling, 600 rows, and nothing of gaps and losses."""
+    frame = IMU.drop(index=range(1000, 1030)).assign(time=lambda frame: 0.3 * frame["time"])
+    fmu = take("imu", frame).write(tmp_path / "flight.fmu", "flight <7>")
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+    assert "<h1>flight &lt;7&gt;</h1>" in page and "Played by imu_replay" in page
+    for told in (
+        rf"{len(frame)} samples from t = ",
+        r"1 gap\(s\) of more than",
+        r"of 2970 samples are lost",
+        "<td>2970 rows</td>",
+    ):
+        assert re.search(told, page), told
+    for old in ("<h2>Response</h2>", "minute of rolling", "600 rows", "data:image"):
+        assert old not in page, old
+    assert "<h2>Parameters</h2>" in page and "<h2>Interface</h2>" in page
+    show(str(fmu))
+    told = " ".join(capsys.readouterr().out.split())
+    assert "recording, as it was imported" in told and "1 gap(s) of more than" in told and "samples are lost" in told
 
 
 def test_what_pandas_writes_by_itself_is_read(tmp_path):

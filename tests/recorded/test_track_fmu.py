@@ -75,8 +75,10 @@ def test_is_valid_and_describes_the_flight(fmu, imported):
     assert "made.csv" in description.description
     assert float(description.defaultExperiment.stopTime) == imported.flight.duration
     with zipfile.ZipFile(fmu) as archive:
-        account = archive.read("documentation/import.txt").decode()
+        account, page = (archive.read(f"documentation/{name}").decode() for name in ("import.txt", "index.html"))
     assert "timing jitter" in account and "along track" in account
+    assert "<title>made</title>" in page and "timing jitter" in page
+    assert "two minutes of level flight" not in page and "<h2>Response</h2>" not in page
 
 
 def test_plays_the_smoothed_flight_exactly(fmu, imported):

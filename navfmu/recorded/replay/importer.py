@@ -11,7 +11,8 @@ from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
 from navfmu.fmi import tables
 from navfmu.fmi.fmu import describe
-from navfmu.recorded.archive import ACCOUNT, DESCRIPTION, described
+from navfmu.recorded.archive import DESCRIPTION, described
+from navfmu.recorded.page import recorded
 from navfmu.recorded.replay import account
 from navfmu.recorded.replay.asked import TIME_UNITS, Asked
 from navfmu.recorded.replay.doubts import doubts
@@ -67,12 +68,11 @@ class Imported:
             files = tables.replaced(files, one.table, rows, self.player)
         file = visible(Path(self.source).name)
         name = visible(name or Path(self.source).stem)
-        sensor = Path(self.player).stem.removesuffix(SUFFIX)
+        sensor = Path(self.player).stem.removesuffix(SUFFIX).replace("_", " ")
         count = " and ".join(f"{len(samples)} samples" for samples in self.streams)
         text = f"Recorded {sensor} {file}: {count} in {self.duration:.1f} s"
         files[DESCRIPTION] = described(files[DESCRIPTION], name, text, self.duration)
-        files[ACCOUNT] = self._account(name, file).encode()
-        return write_file(out, zipped(files))
+        return write_file(out, zipped(recorded(files, name, text, self._account(name, file))))
 
     def _account(self, name: str, file: str) -> str:
         lines = [f"{name}, samples of {file}", "", *self.sentences(), ""]
