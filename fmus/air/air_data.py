@@ -61,7 +61,7 @@ class AirData(Component):
 
     A port that is blocked before the first sample keeps the pressure of the first sample; a line starts with the
     pressure at which it settles, the vertical speed with 0. `valid` is false where the pressure altitude is not within
-    -5 to 20 km, for which the standard atmosphere is here, and where the Mach number is none.
+    -5 to 20 km, for which the standard atmosphere is here, from Mach 1 on, and where a reading is no number.
     """
 
     name = "air_data"
@@ -390,6 +390,7 @@ class AirData(Component):
         indicated = np.maximum(calibrated + self.airspeed_error + self.airspeed_noise_sigma * n[2], 0.0)
         mach = air_data.true_mach(indicated, shown)
         measured_temperature = self.take_temperature(temperature, speed, mach) + self.temperature_bias
+        true_airspeed = atmosphere.speed_of_sound(measured_temperature) * mach
         sigma = air_data.true_airspeed_sigma(
             indicated,
             shown,
@@ -402,17 +403,20 @@ class AirData(Component):
         pressure_altitude = atmosphere.pressure_altitude(shown)
         noise_sigma = altimeter.noise_sigma(self.altitude_noise_sigma, self.altitude_noise_slope, height)
         altitude = pressure_altitude + self.altitude_error + self.altitude_field + noise_sigma * n[4]
+        indicated_altitude = altimeter.indicated(altitude, self.baro_setting)
         self.follow(pressure_altitude)
         self.sampled = True
         self.air.publish(
-            valid=atmosphere.is_known(pressure_altitude) & np.isfinite(mach),
+            valid=atmosphere.is_known(pressure_altitude)
+            & air_data.is_known(mach)
+            & np.isfinite(true_airspeed + indicated_altitude),
             calibrated_airspeed=indicated,
-            true_airspeed=atmosphere.speed_of_sound(measured_temperature) * mach,
+            true_airspeed=true_airspeed,
             true_airspeed_sigma=sigma,
             pressure_altitude=altitude,
             temperature=measured_temperature,
             mach=mach,
-            indicated_altitude=altimeter.indicated(altitude, self.baro_setting),
+            indicated_altitude=indicated_altitude,
             vertical_speed=(self.climbed - self.chamber) / self.vertical_speed_time,
         )
 

@@ -96,7 +96,9 @@ class AirDataReplay(replay.face(AirData), Component):
         sound = atmosphere.speed_of_sound(temperature)
         mach = air_data.true_mach(calibrated, static)
         mach = recorded("mach", recorded("true_airspeed", sound * mach, blocked) / sound, blocked)
+        true_airspeed = recorded("true_airspeed", sound * mach, blocked)
         shown = altimeter.indicated(altitude, self.baro_setting)
+        shown = recorded("indicated_altitude", shown, self.static_blocked)
         ratio = self.vertical_speed_time / np.maximum(interval, 1e-6)
         chamber = np.where(self.sampled, pneumatics.behind(self.chamber, self.climbed, altitude, ratio), altitude)
         sigma = air_data.true_airspeed_sigma(
@@ -108,16 +110,21 @@ class AirDataReplay(replay.face(AirData), Component):
             self.pressure_offset_sigma,
             self.temperature_error_sigma,
         )
-        told["valid"] = told["valid"] & atmosphere.is_known(altitude)
+        told["valid"] = (
+            told["valid"]
+            & atmosphere.is_known(altitude)
+            & air_data.is_known(mach)
+            & np.isfinite(true_airspeed + temperature + shown)
+        )
         self.air.publish(
             **told,
-            true_airspeed=recorded("true_airspeed", sound * mach, blocked),
+            true_airspeed=true_airspeed,
             true_airspeed_sigma=recorded("true_airspeed_sigma", sigma, blocked),
             calibrated_airspeed=calibrated,
             pressure_altitude=altitude,
             temperature=temperature,
             mach=mach,
-            indicated_altitude=recorded("indicated_altitude", shown, self.static_blocked),
+            indicated_altitude=shown,
             vertical_speed=recorded(
                 "vertical_speed", (altitude - chamber) / self.vertical_speed_time, self.static_blocked
             ),

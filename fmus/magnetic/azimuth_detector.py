@@ -130,9 +130,10 @@ class AzimuthDetector(Component):
         down_b = azimuth.hanging(self.specific_force, C_bn[:, 2])
         seen = azimuth.heading(C_bn @ self.field_n, down_b)
         deviation = azimuth.deviation(seen, self.deviation + self.deviation_change)
+        shown = attitude.wrap(seen + deviation + self.drift + self.noise_sigma * n[1])
         horizontal = np.hypot(self.field_n[0], self.field_n[1])
         self.azimuth.publish(
-            magnetic_heading=attitude.wrap(seen + deviation + self.drift + self.noise_sigma * n[1]),
-            valid=horizontal >= self.least_horizontal,
+            magnetic_heading=shown,
+            valid=(horizontal >= self.least_horizontal) & np.isfinite(shown),
             when=self.field_known,
         )

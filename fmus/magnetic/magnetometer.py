@@ -264,7 +264,9 @@ class Magnetometer(Component):
         distortion = self.distortion + self.triad @ self.soft_iron_change
         measured = magnetometer.sense(field_b, hard_iron_b, distortion, self.noise_sigma * noise(3))
         self.field.publish(
-            field_b=magnetometer.digitise(measured, self.field_range, self.resolution), when=self.field_known
+            field_b=magnetometer.digitise(measured, self.field_range, self.resolution),
+            valid=np.isfinite(np.sum(measured)),
+            when=self.field_known,
         )
 
     def _height(self):

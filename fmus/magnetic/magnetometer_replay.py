@@ -54,4 +54,6 @@ class MagnetometerReplay(replay.face(Magnetometer), Component):
         sample = replay.latest(self, "samples", self.delay)
         values = replay.values(sample, Magnetometer.field)
         values["field_b"] = values["field_b"] + self.hard_iron_change
-        self.field.publish(**replay.announcement(sample, self.field), **values)
+        told = replay.announcement(sample, self.field)
+        told["valid"] = told["valid"] & np.isfinite(np.sum(values["field_b"]))
+        self.field.publish(**told, **values)

@@ -91,7 +91,7 @@ class Gps(Component):
             longitude=np.where(free, longitude, self.fix.longitude),
             altitude=np.where(free, altitude, self.fix.altitude),
             velocity_n=np.where(free, velocity_n, self.fix.velocity_n),
-            valid=free,
+            valid=free & np.isfinite(latitude + longitude + altitude + np.sum(velocity_n)),
         )
 
     @every("attitude_period")
@@ -102,5 +102,5 @@ class Gps(Component):
             roll=np.where(free, roll, self.attitude.roll),
             pitch=np.where(free, pitch, self.attitude.pitch),
             heading=np.where(free, heading, self.attitude.heading),
-            valid=free,
+            valid=free & np.isfinite(roll + pitch + heading),
         )

@@ -47,6 +47,11 @@ def mach(impact_ratio):
     return np.sqrt(5.0 * np.maximum((1.0 + np.maximum(impact_ratio, 0.0)) ** (2.0 / 7.0) - 1.0, 0.0))
 
 
+def is_known(mach):
+    """Whether (1) holds: below the speed of sound. Above it a shock stands before the tube."""
+    return mach < 1.0
+
+
 def pressures(true_airspeed, geopotential_altitude, deviation, sea_level_pressure):
     """Static pressure, total pressure (Pa) and static temperature (K) of the air at the ports."""
     temperature = atmosphere.temperature(geopotential_altitude, deviation)

@@ -89,7 +89,8 @@ def filled(line, before, now, opening, ratio):
     ratio
         Time constant of the clear tube, by the period.
     """
-    return np.where(opening > 0.0, behind(line, before, now, ratio / np.maximum(opening, SMALLEST)), line)
+    trapped = (opening <= 0.0) & np.isfinite(line)
+    return np.where(trapped, line, behind(line, before, now, ratio / np.maximum(opening, SMALLEST)))
 
 
 def past_water(shown, line, height):

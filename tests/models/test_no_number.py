@@ -27,6 +27,10 @@ def test_an_input_that_was_no_number_leaves_nothing_behind(name, given):
     before = run.get(given)
     run.set(given, np.full_like(np.asarray(before), np.nan))
     run.do_step(run.time, 1.0)
+    for bundle in (b for b in component.layout.bundles.values() if b.causality == "output" and not b.shape):
+        numbers = [run.get(f"{bundle.name}.{member}") for member in bundle.members]
+        if not all(np.all(np.isfinite(np.asarray(number, float))) for number in numbers):
+            assert not run.get(f"{bundle.name}.valid"), bundle.name
     run.set(given, before)
     run.do_step(run.time, 10.0)
     shown = [v.name for v in component.layout.variables if v.causality == "output"]

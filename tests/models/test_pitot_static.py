@@ -471,3 +471,25 @@ def test_what_is_no_number_is_forgotten(fly, name, lag):
     assert equal(run, clean, 0.0, 2.0)
     for reading in clean:
         np.testing.assert_allclose(run[reading][-10:], clean[reading][-10:], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("fault", ["static_blocked", "pitot_blocked"])
+def test_a_port_does_not_trap_what_is_no_number(fly, fault):
+    """The altitude is none for 0.5 s, in which the port is blocked: then it keeps the first pressure that there is."""
+    run = fly(
+        6.0,
+        altitude=lambda t: np.nan if 1.95 < t < 2.45 else 1000.0 + 5.0 * t,
+        faults={fault: (2.2, 5.0, True)},
+    )
+    shut = slice(round(2.7 / PERIOD), round(4.9 / PERIOD))
+    assert np.all(np.isfinite(run["calibrated_airspeed"][shut]))
+    frozen = "pressure_altitude" if fault == "static_blocked" else "calibrated_airspeed"
+    assert (np.ptp(run[frozen][shut]) == 0.0) == (fault == "static_blocked")
+
+
+@pytest.mark.parametrize(("speed", "valid"), [(330.0, True), (345.0, False)])
+def test_from_the_speed_of_sound_on_the_reading_is_not_valid(speed, valid):
+    """336 m/s at 1000 m."""
+    run = interpret(AirData, **QUIET, altitude=1000.0, velocity_n=(speed, 0.0, 0.0))
+    run.do_step(0.0, PERIOD)
+    assert bool(run.get("air.valid")) == valid
