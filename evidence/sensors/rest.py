@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -118,14 +118,20 @@ class Rest:
             }
         return found
 
-    def modelled(self, seed: int) -> Rest:
-        """The same stretches of an ``imu`` with :attr:`parameters` that lies still, all from one run."""
+    @property
+    def halves(self) -> tuple[Rest, Rest]:
+        """The first, third ... stretches, and the second, fourth ..."""
+        first, second = (Rest(self.name, self.period, self.stretches[i::2], self.shortest) for i in (0, 1))
+        return first, second
+
+    def modelled(self, seed: int, parameters: Mapping[str, np.ndarray | float]) -> Rest:
+        """The same stretches of an ``imu`` with the ``parameters`` that lies still, all from one run."""
         ends = np.cumsum([len(stretch) for stretch in self.stretches])
         run = System.load(shipped.path("imu.fmu")).run(
             stop=float(ends[-1]) * self.period,
             step=self.period,
             seed=seed,
-            parameters={f"imu.{name}": value for name, value in self.parameters.items()},
+            parameters={f"imu.{name}": value for name, value in parameters.items()},
             record=["imu.reading.rate", "imu.reading.specific_force"],
             record_period=self.period,
         )

@@ -64,6 +64,19 @@ def test_the_model_of_white_noise_has_its_sigma_and_lies_in_the_band(built):
     assert unit.claim.holds and unit.inside.shape == (len(unit.recorded.times), 6)
 
 
+def test_either_half_is_held_against_the_model_of_the_other(built, monkeypatch):
+    """Every second stretch twice as noisy: the model of the whole hides it, that of the other half does not."""
+    monkeypatch.setattr(at_rest, "MODELLED", 20)
+    quiet_, loud = white(0.02, 2), white(0.04, 2)
+    unit = at_rest.Unit(Rest("made", PERIOD, (quiet_[0], loud[0], quiet_[1], loud[1])))
+    one, two = unit.halves
+    assert one.recorded.deviation[0, 0] == pytest.approx(0.02, rel=0.05)
+    assert one.modelled[:, 0, 0].mean() == pytest.approx(0.04, rel=0.05)
+    assert two.modelled[:, 0, 0].mean() == pytest.approx(0.02, rel=0.05)
+    assert at_rest.elsewhere(unit).startswith("Of models made of one half of the stretches, the runs contain")
+    assert max(one.missed.max(), two.missed.max()) > 1.7
+
+
 def test_what_the_model_cannot_have_is_called_so(built, monkeypatch):
     """Noise that alternates has a deviation that falls with the time, not with its root."""
     monkeypatch.setattr(at_rest, "MODELLED", 20)
