@@ -1,5 +1,6 @@
 """A model in plain NumPy and its traced form are the same function, or the model is refused with a sentence."""
 
+import datetime
 import math
 import os
 import random
@@ -419,6 +420,9 @@ REFUSED = {
     "random number of Python": (lambda a: a + random.gauss(0.0, 1.0), "noise(n)"),
     "random numbers with a seed": (lambda a: a + np.random.default_rng(7).normal(size=3), "outside of functions"),
     "random number by a name of its own": (lambda a: a * drawn_by_name(), "noise(n)"),  # noqa: NPY002
+    "clock": (lambda a: a * time.time(), "self.time"),
+    "date": (lambda a: a * datetime.datetime.now().hour, "self.time"),
+    "environment": (lambda a: a * len(os.environ["PATH"]), "Parameter"),
     "printed with a format": (lambda a: f"{a[0]:.3f}", "runs with floats"),
     "comparison with a text": (lambda a: a[0] == "track", "IntEnum"),
     "unknown ufunc": (lambda a: np.spacing(a), "functions that can"),
@@ -464,6 +468,17 @@ def test_numpy_is_left_as_it_was():
     with pytest.raises(NavfmuError), trace.tracing():
         traced(_branch, A)
     assert before == (np.array, np.asarray, np.full)
+
+
+def test_dates_that_are_written_are_traced_and_libraries_read_what_they_like():
+    """Wrong: a date is refused because it could tell the present one, or a path because a library asks for it."""
+
+    def function(a):
+        then = datetime.datetime(2026, 11, 30)
+        return a * then.day + isinstance(then, datetime.date) + len(os.path.expanduser("~"))
+
+    assert np.array_equal(traced(function, A), function(A))
+    assert type(datetime.datetime.now()) is type(datetime.datetime(2026, 11, 30)) is datetime.datetime
 
 
 def test_two_threads_that_trace_at_once_leave_numpy_as_it_was():

@@ -38,6 +38,10 @@ or NaN. So what is not chosen must be guarded as well: `np.linalg.solve(np.where
 Small arrays become single numbers, large ones loops, and functions that are called often are compiled once; no bit
 depends on it ([array_nodes](decisions/array_nodes.md)). A task of more than {limit} operations on single numbers is
 refused.
+
+An FMU keeps its variables and nothing else. A model may calculate constants once and keep them (`functools.cache`, a
+dict of the module); each task is traced as if none had been kept, and what a task leaves outside of its variables that
+makes a difference at the next tick, or in another task, is refused: declare a State.
 """
 
 

@@ -64,6 +64,12 @@ class Node:
         self.op, self.of = op, of
 
 
+class Vector(str):
+    """The name of a vector that stands for values of one task alone: those of another one have the same name."""
+
+    __slots__ = ()
+
+
 class Operand:
     """What an array node reads: ``size`` numbers, ``source[places[i]]``, or one number for all its places.
 
@@ -193,13 +199,13 @@ def reads(array: Array) -> list[tuple[str, list[int]]]:
     return found
 
 
-def vectors_read(results: Iterable[Node]) -> set[str]:
-    """Return the names of the vectors of which the results depend on elements."""
-    found: set[str] = set()
+def vectors_read(results: Iterable[Node]) -> list[str]:
+    """Return the names of the vectors of which the results depend on elements; of equal ones each that is another."""
+    found: dict[int, str] = {}
     for node in in_order(results):
         sources = [operand.source for operand in node.operands] if isinstance(node, Array) else node.of[:1]
-        found.update(source for source in sources if isinstance(source, str))
-    return found
+        found |= {id(source): source for source in sources if isinstance(source, str)}
+    return [*found.values()]
 
 
 def is_inexact(results: Iterable[Node], vectors: Container[str]) -> bool:

@@ -161,7 +161,7 @@ def _record(function: FunctionType, tree: Any, number: int) -> _Recorded | None:
         if before != _held((args, kwargs), alive) or _overlap(result.arrays, made):
             raise _NoCall
         nodes = [node for leaf in result.leaves for node in expressions(leaf)]
-        if not vectors_read(nodes) <= places.keys():  # it knows traced values that it was not given
+        if not places.keys() >= {*vectors_read(nodes)}:  # it knows traced values that it was not given
             raise _NoCall
         if is_inexact(nodes, constants):  # NumPy does that where it is traced in place
             raise _NoCall

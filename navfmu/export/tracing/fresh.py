@@ -20,8 +20,8 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from navfmu.export.tracing.chance import stand_ins
 from navfmu.export.tracing.rules import refuse
+from navfmu.export.tracing.surroundings import stand_ins
 from navfmu.export.tracing.traced import Traced, contains_traced, objects, wrapped
 from navfmu.place import is_foreign
 
@@ -150,8 +150,10 @@ def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
             name = next((name for name, original in _ORIGINALS.items() if value is original), None)
             if name is not None:
                 places.append((module, alias, value, _TRACED[name]))
-            elif isinstance(value, _lru_cache_wrapper):
-                places.append((module, alias, value, _kept(value, places)))
+    for owner in [*modules, *_classes(modules)]:
+        for alias, value in vars(owner).items():
+            if isinstance(value, _lru_cache_wrapper):
+                places.append((owner, alias, value, _kept(value, places)))
     _running.append(_Running(get_ident(), frozenset(module.__name__ for module in modules)))
     try:
         for owner, name, _, traced in places:
@@ -161,6 +163,11 @@ def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
         _running.pop()
         for owner, name, original, _ in places:
             setattr(owner, name, original)
+
+
+def _classes(modules: Iterable[ModuleType]) -> Iterator[type]:
+    for module in modules:
+        yield from (x for x in vars(module).values() if isinstance(x, type) and x.__module__ == module.__name__)
 
 
 def _kept(function: Callable, places: list[tuple[Any, str, Any, Any]]) -> Callable:

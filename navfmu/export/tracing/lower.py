@@ -6,7 +6,8 @@ import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from typing import Any
+from types import ModuleType
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -17,15 +18,19 @@ from navfmu.export.declaration.component import Component
 from navfmu.export.declaration.frame import Frame
 from navfmu.export.declaration.layout import Layout
 from navfmu.export.declaration.numbers import Numbers
+from navfmu.export.declaration.requirement import Requirement
 from navfmu.export.declaration.task import TaskDeclaration
 from navfmu.export.interpreter import variables
 from navfmu.export.place import is_foreign
+from navfmu.export.printing.printer import c_function, c_helpers
 from navfmu.export.record import ir
-from navfmu.export.record.graph import Node, elements_used, vectors_read
+from navfmu.export.record.graph import Node, Vector, elements_used, vectors_read
 from navfmu.export.tracing import trace
 from navfmu.export.tracing.extent import MOST, current, shortest
+from navfmu.export.tracing.kept import Kept, is_traced
 from navfmu.repetition import outside
 
+_VECTORS = "v", "noise", "time"
 _KINDS = {"Real": "f", "Integer": "i", "Boolean": "b", "String": "i"}
 
 
@@ -33,8 +38,10 @@ class TraceFrame(Frame):
     """Symbols for everything a task can read."""
 
     def __init__(self, layout: Layout, period: int | None = None) -> None:
-        self.symbols = trace.symbols("v", "".join(_KINDS[v.type] * v.size for v in layout.variables))
-        super().__init__(layout, trace.symbols("time", "f")[0], 0.0 if period is None else self.symbols[period])
+        self.vectors = {name: Vector(name) for name in _VECTORS}
+        self.symbols = trace.symbols(self.vectors["v"], "".join(_KINDS[v.type] * v.size for v in layout.variables))
+        time = trace.symbols(self.vectors["time"], "f")[0]
+        super().__init__(layout, time, 0.0 if period is None else self.symbols[period])
         self.found: dict[tuple, Any] = {}  # a table, a key and the nodes of its values -> what was found there
         self.normals = 0
 
@@ -72,7 +79,7 @@ class TraceFrame(Frame):
     def noise(self, count: int) -> Any:
         """Return ``count`` fresh standard normal numbers."""
         outside("noise is drawn")
-        normals = trace.symbols("noise", "f" * int(count), self.normals)
+        normals = trace.symbols(self.vectors["noise"], "f" * int(count), self.normals)
         self.normals += normals.size
         return normals
 
@@ -87,6 +94,17 @@ class TraceFrame(Frame):
                     targets.append(field.index + i)
                     values.append(value)
         return tuple(targets), tuple(values)
+
+    def check_own(self, values: Sequence[Node], what: str, place: str) -> None:
+        """Refuse values that depend on others than those of this frame."""
+        own = {id(vector) for vector in self.vectors.values()}
+        if any(id(vector) not in own for vector in vectors_read(values)):
+            self.layout.fail(
+                f"{what} calculates with values that another one has left, or a function of the model, or of repeat, "
+                "in an array or a list outside of it; let functions return what they calculate, and declare what is "
+                "needed at the next tick, or in another task, as a State",
+                place,
+            )
 
 
 def _without_derivatives(value: Any) -> Any:
@@ -115,32 +133,62 @@ def _run(layout: Layout, what: str, place: str, function: Callable, *arguments: 
         raise NavfmuError(f"{where}: component {layout.component.__name__}, {what}: {told}; {remedy}") from error
 
 
-def _task(layout: Layout, task: TaskDeclaration, functions: dict) -> ir.Task:
-    what = f"{task.place}: component {layout.component.__name__}, task '{task.name}'"
-    alike = sum(other.function is task.function for other in layout.tasks)  # one for each bundle of an array
-    return shortest(lambda: _traced(layout, task), what, functions, MOST // alike)[0]
+class _Alone:
+    """What is traced finds what the model keeps as it was before any task, and must leave it like that.
 
+    What it calculates anew each time, and keeps, is made of constants, or an FMU would not know of it.
+    """
 
-def _called(layout: Layout, task: TaskDeclaration) -> ir.Task:
-    """Return a task that only Python runs: when, not what."""
-    return ir.Task(task.name, task.kind, (), (), stream=task.stream, clock=layout.clock(task))
+    def __init__(self, layout: Layout, modules: Sequence[ModuleType]) -> None:
+        self.layout, self.kept = layout, Kept(modules, layout.component)
+        self.functions: dict = {}  # that were recorded as calls
 
+    def traced(self, trace: Callable[[], tuple], what: str, place: str, most: int = MOST) -> tuple:
+        """Return what is traced; ``trace`` gives it as a tuple that ends with its results."""
+        where = f"{place}: component {self.layout.component.__name__}, {what}"
 
-def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
-    index = layout.index
-    on_new = task.kind == "on_new"
-    clock = layout.clock(task)
-    frame = TraceFrame(layout, None if clock is None else clock.period)
-    component = layout.component(frame)
-    arguments = (*task.element, *([frame.noise] if task.uses_noise else []))
-    _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
-    targets, values = frame.changes()
-    if vectors_read(values) - {"v", "noise", "time"}:
-        layout.fail(
-            "a function of the model, or of repeat, leaves what it calculates in an array or a list outside of it; let "
-            "it return what it calculates",
-            task.place,
+        def afresh() -> tuple:
+            self.kept.restore()
+            return trace()
+
+        try:
+            found = shortest(afresh, where, self.functions, most)[0]
+            first = self.kept.later()
+            changes = [*first.added_to(self.kept), *first.replaced_in(self.kept)]
+            for name, value in changes:
+                if is_traced(value):
+                    self._fail(f"{what} leaves what it calculates in {name}, outside of it", place)
+            for name, _ in first.replaced_in(self.kept):
+                self._fail(f"{what} changes {name}", place)
+            if changes:
+                again = shortest(trace, where, {}, most)[0]
+                second = self.kept.later()
+                for name, _ in [*second.added_to(first), *second.replaced_in(first)]:
+                    self._fail(f"{what} changes {name} each time", place)
+                if _printed(again[-1]) != _printed(found[-1]):
+                    self._fail(f"{what} does something else where {changes[0][0]} is there already", place)
+            return found
+        finally:
+            self.kept.restore()
+
+    def _fail(self, told: str, place: str) -> NoReturn:
+        self.layout.fail(
+            f"{told}, and an FMU keeps its variables alone; let functions return what they calculate, and declare what "
+            "is needed at the next tick, or in another task, as a State",
+            place,
         )
+
+
+def _printed(values: Sequence[Node]) -> str:
+    return "\n".join([*c_helpers(values), c_function("f", [*_VECTORS], values)])
+
+
+def _task(alone: _Alone, task: TaskDeclaration) -> ir.Task:
+    layout, index = alone.layout, alone.layout.index
+    alike = sum(other.function is task.function for other in layout.tasks)  # one for each bundle of an array
+    what = f"task '{task.name}'"
+    frame, targets, values = alone.traced(lambda: _traced(layout, task), what, task.place, MOST // alike)
+    on_new = task.kind == "on_new"
     return ir.Task(
         name=task.name,
         kind=task.kind,
@@ -148,31 +196,56 @@ def _traced(layout: Layout, task: TaskDeclaration) -> ir.Task:
         targets=targets,
         normals=frame.normals,
         stream=task.stream,
-        clock=clock,
+        clock=layout.clock(task),
         sequence=index(f"{task.argument}.sequence") if on_new else None,
         time_of_validity=index(f"{task.argument}.time_of_validity") if on_new else None,
         lost=index(f"{task.argument}.lost") if on_new else None,
     )
 
 
-def _checks(layout: Layout) -> list[ir.Check]:
+def _called(layout: Layout, task: TaskDeclaration) -> ir.Task:
+    """Return a task that only Python runs: when, not what."""
+    return ir.Task(task.name, task.kind, (), (), stream=task.stream, clock=layout.clock(task))
+
+
+def _traced(layout: Layout, task: TaskDeclaration) -> tuple[TraceFrame, tuple[int, ...], tuple[Node, ...]]:
+    clock = layout.clock(task)
+    frame = TraceFrame(layout, None if clock is None else clock.period)
+    component = layout.component(frame)
+    arguments = (*task.element, *([frame.noise] if task.uses_noise else []))
+    _run(layout, f"task '{task.name}'", task.place, task.function, component, *arguments)
+    targets, values = frame.changes()
+    frame.check_own(values, f"task '{task.name}'", task.place)
+    return frame, targets, values
+
+
+def _checks(alone: _Alone) -> list[ir.Check]:
     checks = []
-    for number, requirement in enumerate(layout.requirements):
-        frame = TraceFrame(layout)
-        frame.period = frame.time  # neither is there when a requirement is looked at
-        component = layout.component(frame)
-        holds = _run(layout, f"requirement {number + 1}", requirement.place, requirement.function, component)
-        wrong = [n for n in frame.current if layout.fields[n].causality != "parameter"]
-        if wrong:
-            layout.fail(f"a requirement is over parameters, '{wrong[0]}' is none", requirement.place)
-        if np.shape(holds) != ():
-            layout.fail("a requirement must be one truth value; use np.all", requirement.place)
-        names = tuple((name, layout.index(name)) for name in requirement.names)
-        (result,) = trace.expressions(holds)
-        if any(elements_used((result,), "time")):
-            layout.fail("a requirement is over parameters, and this one is over time", requirement.place)
+    for number, requirement in enumerate(alone.layout.requirements):
+        what = f"requirement {number + 1}"
+        ((result,),) = alone.traced(
+            lambda r=requirement, w=what: _looked_at(alone.layout, r, w), what, requirement.place
+        )
+        names = tuple((name, alone.layout.index(name)) for name in requirement.names)
         checks.append(ir.Check(result, requirement.message, names))
     return checks
+
+
+def _looked_at(layout: Layout, requirement: Requirement, what: str) -> tuple[tuple[Node, ...]]:
+    frame = TraceFrame(layout)
+    frame.period = frame.time  # neither is there when a requirement is looked at
+    component = layout.component(frame)
+    holds = _run(layout, what, requirement.place, requirement.function, component)
+    wrong = [n for n in frame.current if layout.fields[n].causality != "parameter"]
+    if wrong:
+        layout.fail(f"a requirement is over parameters, '{wrong[0]}' is none", requirement.place)
+    if np.shape(holds) != ():
+        layout.fail("a requirement must be one truth value; use np.all", requirement.place)
+    results = tuple(trace.expressions(holds))
+    if any(elements_used(results, "time")):
+        layout.fail("a requirement is over parameters, and this one is over time", requirement.place)
+    frame.check_own(results, what, requirement.place)
+    return (results,)
 
 
 def _documentation(layout: Layout) -> dict[str, Any]:
@@ -207,13 +280,12 @@ def lower(component: type[Component]) -> ir.Model:
     """Trace a component class into the model that the code generator reads."""
     needs.require(component)
     layout = component.layout
-    modules = [component.__module__, *fingerprint.sources(component.__module__)]
-    with trace.tracing(sys.modules[name] for name in dict.fromkeys(modules) if name in sys.modules):
-        functions: dict = {}
-        tasks = tuple(
-            _called(layout, task) if component.needs else _task(layout, task, functions) for task in layout.tasks
-        )
-        checks = tuple(_checks(layout))
+    names = dict.fromkeys([component.__module__, *fingerprint.sources(component.__module__)])
+    modules = [sys.modules[name] for name in names if name in sys.modules]
+    with trace.tracing(modules):
+        alone = _Alone(layout, modules)
+        tasks = tuple(_called(layout, task) if component.needs else _task(alone, task) for task in layout.tasks)
+        checks = tuple(_checks(alone))
     tables = tuple(
         ir.Table(
             name=table.name,

@@ -76,8 +76,7 @@ def _plain(column: Sequence[Any]) -> Operand | None:
             return Operand(first.node, None, len(column))
     source = _source(column[0])
     if any(_source(e) is not source for e in column):
-        if not isinstance(source, str) or any(_source(e) != source for e in column):
-            return None
+        return None
     if source is None:
         return Operand(np.array(column, float), np.arange(len(column)), len(column))
     if isinstance(source, Node) and not isinstance(source, Array):
@@ -96,8 +95,7 @@ def _pieces(column: Sequence[Any]) -> list[list[Any]]:
     before: Any = object()
     for e in column:
         source = _source(e)
-        same = source is before or (isinstance(source, str) and source == before)
-        if not same:
+        if source is not before:
             pieces.append([])
         pieces[-1].append(e)
         before = source
