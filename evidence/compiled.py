@@ -18,6 +18,7 @@ from navfmu.export.printing.printer import c_function, c_helpers
 from navfmu.export.record.graph import Node
 from navfmu.export.tracing import trace
 from navfmu.export.tracing.extent import Extent, extent
+from navfmu.export.tracing.room import with_room
 
 _HEAD = """#include <math.h>
 #include "arrays.h"
@@ -58,7 +59,7 @@ def traced(
             kinds = argument.dtype.kind * argument.size
             symbols.append(trace.symbols("v", kinds, first).reshape(argument.shape))
             first += argument.size
-        result = function(*symbols)
+        result = with_room(lambda: function(*symbols))
         return Compiled(trace.expressions(result), np.shape(result))
 
 

@@ -390,9 +390,7 @@ class Remembering(Component):
 
 
 def test_what_a_function_keeps_of_its_arguments_is_refused():
-    with pytest.raises(
-        NavfmuError, match=r"component Remembering: .* values that another one has left, .* outside of it"
-    ):
+    with pytest.raises(NavfmuError, match=r"component Remembering: .* leaves what it calculates in .* outside of it"):
         lower(Remembering)
 
 

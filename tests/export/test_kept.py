@@ -85,16 +85,50 @@ def test_constants_that_are_kept_are_the_same_in_c_and_are_no_traced_arrays_afte
         (path,) = build(Remembering, tmp_path / folder, pictures=False)
         kept = [*TABLES.values(), Remembering.kept(3), later(), _identities()]
         assert {(type(array), array.dtype.kind) for array in kept} == {(np.ndarray, "f")}
-        native, twin = Slave(Unzipped(path, tmp_path / folder / "unzipped")), Interpreter(Remembering)
-        assert native.initialise() == OK
-        twin.setup_experiment(0.0, None)
-        twin.enter_initialization()
-        twin.exit_initialization()
-        for k in range(3):
-            assert native.step(float(k), 1.0) == OK
-            twin.do_step(float(k), 1.0)
-        indices = [i for v in Remembering.layout.variables if v.causality != "parameter" for i in v.indices]
-        assert native.get_references("Real", indices) == (OK, twin.get_values("Real", indices))
+        _run_side_by_side(Remembering, tmp_path / folder, path)
+
+
+def _run_side_by_side(component, folder, path=None):
+    """Check that the native FMU and the interpreter have the same numbers after three steps."""
+    path = path or build(component, folder, pictures=False)[0]
+    native, twin = Slave(Unzipped(path, folder / "unzipped")), Interpreter(component)
+    assert native.initialise() == OK
+    twin.setup_experiment(0.0, None)
+    twin.enter_initialization()
+    twin.exit_initialization()
+    for k in range(3):
+        assert native.step(float(k), 1.0) == OK
+        twin.do_step(float(k), 1.0)
+    indices = [i for v in component.layout.variables if v.causality != "parameter" for i in v.indices]
+    assert native.get_references("Real", indices) == (OK, twin.get_values("Real", indices))
+
+
+TRANSITION = np.array([[1.0, 0.0, 0.0], [0.0, 0.875, 0.0], [0.0, 0.0, 0.75]])
+
+
+class Filling(Component):
+    """Fills what is copied from constants, as one writes a filter, and keeps a table."""
+
+    moved = np.eye(3)
+    sample_period = Parameter("s", start=1.0, description="sampling period")
+    x = Output(3, "1", start=(1.0, -2.0, 0.5), description="something")
+    p = State(3, 3, "1", start=np.eye(3), description="its covariance")
+
+    @every("sample_period")
+    def step(self):
+        f, g = TRANSITION.copy(), self.moved.copy()
+        f[0, 1] = self.period
+        np.fill_diagonal(g, np.array([0.5, 0.25, 1.0]) * self.period)
+        self.x = f @ self.x
+        self.p = f @ self.p @ f.T + g
+
+
+def test_what_is_filled_is_the_same_in_c(tmp_path):
+    """And constants of module and class are NumPy's again, untouched, when the component is built."""
+    _run_side_by_side(Filling, tmp_path)
+    assert TRANSITION[0, 1] == 0.0
+    assert (TRANSITION.dtype, Filling.moved.dtype) == (float, float)
+    assert np.array_equal(Filling.moved, np.eye(3))
 
 
 def _counted(x):

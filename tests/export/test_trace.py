@@ -125,6 +125,11 @@ EXACT = {
     "degrees": (lambda a: np.deg2rad(a) + np.radians(a) + np.rad2deg(a), A),
     "interp": (lambda a: np.interp(a, [-1.0, 0.0, 0.25, 1.0], [3.0, 1.0, 4.0, 1.5]), A),
     "zeros, then assigned": (lambda a: _filled(a), A),
+    "an array of constants, then assigned": (lambda a: _changed(a), A),
+    "copies of constants, assigned to": (lambda a: _copied(a), A),
+    "made like another one, then assigned": (lambda a: _made_like(a), A),
+    "diagonals filled": (lambda a: _diagonals(a), A),
+    "constants alone": (lambda a: _of_constants(a), A),
     "empty, then assigned": (lambda a: _filled_from_nothing(a), A),
     "rows assigned through views": (lambda m: _through_views(m), M),
     "assigned where a mask holds": (lambda a, m: _masked(a, m), A, M),
@@ -189,6 +194,53 @@ def _filled(a):
     d = np.ones(2)
     d[0] = a[0] > 0.0
     return b @ c + d[:, None] + np.full((2, 3), 2.0)
+
+
+def _changed(a):
+    f = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    f[0, 1] = a[0]
+    f[2, 1:] += a[1]
+    g = np.diag([1.0, 2.0, 3.0])
+    g[:, 0] *= a
+    steps = np.arange(3.0)
+    steps[1] = a[2]
+    return np.concatenate([f, g, steps[None]])
+
+
+def _copied(a):
+    f = SKEW.copy()
+    f[0] = a
+    g = EYE * 2.0
+    g[1, 1] = a[0]
+    h = np.array(EYE)
+    h += a[1]
+    return np.concatenate([f, g, h, SKEW + EYE])
+
+
+def _made_like(a):
+    f = np.zeros_like(SKEW)
+    f[1:] = a
+    g = np.ones_like(EYE)
+    g[0, 2] = a[0]
+    h = np.full_like(EYE, 7.0)
+    h[2] -= a[2]
+    return np.concatenate([f, g, h])
+
+
+def _diagonals(a):
+    f, g = SKEW.copy(), np.zeros((7, 3))
+    np.fill_diagonal(f, a)
+    np.fill_diagonal(g, a[:2], wrap=True)
+    np.fill_diagonal(g[4:], 2.0)
+    return np.concatenate([f, g])
+
+
+def _of_constants(a):
+    """What NumPy can do with constants, it can also where others have room for traced values."""
+    f = np.array([3.0, 1.0, 2.0])
+    g = f[np.argsort(f)] + np.linalg.eigvalsh(EYE) + np.searchsorted(f, f) + f.argsort() + np.spacing(f)
+    f[0] = np.interp(a[0], np.array([0.0, 1.0]), np.array([1.0, 2.0]))
+    return f + g
 
 
 def _filled_from_nothing(a):
@@ -403,6 +455,7 @@ REFUSED = {
     "store in an array that is there before": (_store, "np.array([...])"),
     "store in a slice of it": (_store_slice, "np.array([...])"),
     "add to it": (_add_to_float_array, "x = x + y"),
+    "store in what shows it": (lambda a: np.reshape(MADE_BEFORE, -1).__setitem__(0, a[0]), "np.array([...])"),
     "store in an array of 32 bits": (_store_narrow, "np.zeros"),
     "read before it is assigned": (lambda a: np.empty(3) + a, "np.zeros"),
     "values for a mask": (_values_for_a_mask, "np.where"),
@@ -506,6 +559,17 @@ def test_two_threads_that_trace_at_once_leave_numpy_as_it_was():
         thread.join(10.0)
     assert inside == ["first", "second"]
     assert (np.array, np.full) == originals
+
+
+def test_constants_of_the_model_are_what_they_were_though_there_was_room():
+    """Wrong: the next one who reads them gets an array of objects, or what was written into it."""
+    before = [SKEW, EYE, np.diag, np.linalg.inv]
+    only_traced(_copied, [A])
+    with pytest.raises(NavfmuError):
+        only_traced(lambda a: MADE_BEFORE.__setitem__(0, a[0]), [A])
+    assert [*map(id, before)] == [*map(id, [SKEW, EYE, np.diag, np.linalg.inv])]
+    assert not MADE_BEFORE.any()
+    assert MADE_BEFORE.dtype == float
 
 
 @cache

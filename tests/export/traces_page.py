@@ -39,6 +39,10 @@ Small arrays become single numbers, large ones loops, and functions that are cal
 depends on it ([array_nodes](decisions/array_nodes.md)). A task of more than {limit} operations on single numbers is
 refused.
 
+Arrays are assigned to as in NumPy. Where a function assigns values to what it has made of constants, or copied from
+those of its module, the task is traced once more with room for values in all of them; what they are calculated with
+until then is done by the rules above, and no longer by NumPy while tracing.
+
 An FMU keeps its variables and nothing else. A model may calculate constants once and keep them (`functools.cache`, a
 dict of the module); each task is traced as if none had been kept, and what a task leaves outside of its variables that
 makes a difference at the next tick, or in another task, is refused: declare a State.

@@ -25,6 +25,7 @@ from navfmu.export.record.graph import Array, Node, element, is_inexact, vectors
 from navfmu.export.record.graph import number as constant
 from navfmu.export.tracing import wholes
 from navfmu.export.tracing.extent import FEWER, LEAST, TooLong, current, shortest
+from navfmu.export.tracing.fresh import running
 from navfmu.export.tracing.rules import Scalar, expression
 from navfmu.export.tracing.traced import Traced, expressions, symbols, type_of
 
@@ -127,7 +128,7 @@ def _found(function: FunctionType, given: Any) -> tuple[_Recorded, _Arguments]:
         raise _NoCall
     for least in (LEAST, math.inf):
         met = _Arguments(given, least=least)
-        key = function, met.tree
+        key = function, met.tree, running().has_room  # one that fails without room is not one that fails
         if key not in known:
             known[key] = None  # also while it is traced: one that calls itself is no call
             known[key] = _record(function, met.tree, len(known))

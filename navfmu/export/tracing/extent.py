@@ -46,6 +46,12 @@ class Extent:
     functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
     written_out: set = field(default_factory=set)  # long functions of the model that were traced in their place
 
+    def begin(self) -> None:
+        """What was traced so far is forgotten."""
+        self.operations = 0
+        self.packs.clear()
+        self.written_out.clear()
+
     def meet(self, size: int) -> None:
         """An array of that size is read or made."""
         if size >= VAST and not self.calls:

@@ -13,10 +13,11 @@ import sys
 import sysconfig
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import _lru_cache_wrapper, wraps
 from threading import get_ident
 from types import FrameType, ModuleType
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -29,6 +30,8 @@ _MAKING = ("array", "asarray", "asanyarray", "ascontiguousarray", "full_like", "
 _EMPTY = ("zeros", "ones", "eye", "identity", "empty")
 # NumPy asks no list how to reduce it: these take a list of traced values as the array that it stands for.
 _REDUCING = ("sum", "mean", "prod", "max", "min", "amax", "amin", "any", "all")
+#: Those of which a model always gets traced arrays.
+FRESH = (*_EMPTY, "full")
 #: The functions of NumPy that make arrays, and traced ones while tracing.
 MAKES = (*_MAKING, *_EMPTY)
 _ORIGINALS = {name: getattr(np, name) for name in (*_MAKING, *_EMPTY, *_REDUCING)}
@@ -37,22 +40,29 @@ _ORIGINALS = {name: getattr(np, name) for name in (*_MAKING, *_EMPTY, *_REDUCING
 _LIBRARIES = tuple(sysconfig.get_path(name) + os.sep for name in ("stdlib", "platstdlib", "purelib", "platlib"))
 
 
-class _Running(NamedTuple):
+@dataclass
+class _Running:
     """A trace that is running."""
 
     thread: int
-    modules: frozenset[str]  # of the model
+    modules: list[ModuleType]  # of the model
+    has_room: bool = False  # arrays of constants are traced ones, too (room.py)
 
 
 _running: list[_Running] = []  # the innermost one last
 
 
-def _is_model(frame: FrameType) -> bool:
+def running() -> _Running | None:
+    """Return the trace that is running."""
+    return _running[-1] if _running else None
+
+
+def is_model(frame: FrameType) -> bool:
     """Whether a frame is one of a function of the model: what a module or a class keeps outlives the trace."""
     file, name = frame.f_code.co_filename, frame.f_globals.get("__name__")
     if is_foreign(file) or not frame.f_code.co_flags & inspect.CO_OPTIMIZED:
         return False
-    return name in _running[-1].modules or not file.startswith(_LIBRARIES)
+    return any(name == module.__name__ for module in _running[-1].modules) or not file.startswith(_LIBRARIES)
 
 
 class Unset:
@@ -91,7 +101,7 @@ def _full_like(a: Any, fill_value: Any, dtype: Any = None, **kwargs: Any) -> Any
 
 def _filled_later(array: np.ndarray, unset: bool = False) -> Any:
     """Return a new array of constants as a traced one, if the model made it and traced values may come into it."""
-    if array.dtype not in (float, bool) or not _is_model(sys._getframe(3)):
+    if array.dtype not in (float, bool) or not is_model(sys._getframe(3)):
         return array
     values = array.astype(object)
     if unset and array.dtype.kind == "f":
@@ -150,11 +160,11 @@ def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
             name = next((name for name, original in _ORIGINALS.items() if value is original), None)
             if name is not None:
                 places.append((module, alias, value, _TRACED[name]))
-    for owner in [*modules, *_classes(modules)]:
+    for owner in owners(modules):
         for alias, value in vars(owner).items():
             if isinstance(value, _lru_cache_wrapper):
                 places.append((owner, alias, value, _kept(value, places)))
-    _running.append(_Running(get_ident(), frozenset(module.__name__ for module in modules)))
+    _running.append(_Running(get_ident(), modules))
     try:
         for owner, name, _, traced in places:
             setattr(owner, name, traced)
@@ -165,8 +175,10 @@ def fresh_arrays(modules: Iterable[ModuleType]) -> Iterator[None]:
             setattr(owner, name, original)
 
 
-def _classes(modules: Iterable[ModuleType]) -> Iterator[type]:
+def owners(modules: Iterable[ModuleType]) -> Iterator[ModuleType | type]:
+    """Yield modules and the classes that they define."""
     for module in modules:
+        yield module
         yield from (x for x in vars(module).values() if isinstance(x, type) and x.__module__ == module.__name__)
 
 

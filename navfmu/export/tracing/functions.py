@@ -12,9 +12,12 @@ from navfmu.export.tracing.products import cross, einsum, kron, product, tensord
 from navfmu.export.tracing.rules import OTHERS, Scalar, refuse, where
 from navfmu.export.tracing.traced import (
     Traced,
+    as_fresh,
+    as_numpy,
     at_each_place,
     broadcast_columns,
     contains_traced,
+    has_symbols,
     objects,
     others,
     type_of,
@@ -57,11 +60,11 @@ def _np_norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) 
 
 
 def _np_interp(x: Any, xp: Any, fp: Any, left: Any = None, right: Any = None, period: Any = None) -> Any:
-    if contains_traced(xp):
+    if has_symbols(xp):
         refuse("np.interp needs constant abscissae", "look the row up with a Table")
     if period is not None:
         refuse("np.interp(..., period=...) is not traced", "take np.mod(x, period) first")
-    xp, known = np.asarray(xp, float), not contains_traced(fp)
+    xp, known = np.asarray(as_numpy(xp), float), not contains_traced(fp)
     if xp.ndim != 1 or not np.all(np.diff(xp) > 0):
         refuse("np.interp needs abscissae that increase", "sort them")
     result = fp[0] if left is None else left
@@ -133,6 +136,14 @@ def _np_isclose(a: Any, b: Any, rtol: Any = 1e-5, atol: Any = 1e-8, equal_nan: b
     return np.logical_or(result, np.logical_and(np.isnan(a), np.isnan(b))) if equal_nan else result
 
 
+def _np_fill_diagonal(a: Any, val: Any, wrap: bool = False) -> None:
+    places = np.zeros(np.shape(a), np.int8)
+    np.fill_diagonal(places, 1, wrap)
+    places = np.flatnonzero(places)
+    values = np.ravel(val)
+    a[np.unravel_index(places, np.shape(a))] = values[np.arange(len(places)) % len(values)]
+
+
 def _np_insert(arr: Any, obj: Any, values: Any, axis: Any = None) -> Any:
     return wrapped(np.insert._implementation(arr, obj, np.array(values).astype(type_of(arr)), axis))
 
@@ -145,6 +156,7 @@ def _np_roll(a: Any, *args: Any, **kwargs: Any) -> Any:
 FUNCTIONS: dict[Callable, Callable] = {
     np.mean: _np_mean,
     np.insert: _np_insert,
+    np.fill_diagonal: _np_fill_diagonal,
     np.roll: _np_roll,
     np.where: _np_where,
     np.select: _np_select,
@@ -220,6 +232,8 @@ def apply(function: Callable, args: tuple, kwargs: dict) -> Any:
     if function in FUNCTIONS:
         return FUNCTIONS[function](*args, **kwargs)
     if function not in STRUCTURAL:
+        if not has_symbols((args, kwargs)) and kwargs.get("out") is None:
+            return as_fresh(function(*as_numpy(args), **as_numpy(kwargs)))
         name = f"{function.__module__}.{function.__name__}".replace("numpy", "np", 1)
         remedy = _REMEDIES.get(function.__name__, OTHERS)
         refuse(f"{name} cannot be traced", remedy)

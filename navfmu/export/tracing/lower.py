@@ -28,6 +28,7 @@ from navfmu.export.record.graph import Node, Vector, elements_used, vectors_read
 from navfmu.export.tracing import trace
 from navfmu.export.tracing.extent import MOST, current, shortest
 from navfmu.export.tracing.kept import Kept, is_traced
+from navfmu.export.tracing.room import with_room
 from navfmu.repetition import outside
 
 _VECTORS = "v", "noise", "time"
@@ -98,11 +99,17 @@ class TraceFrame(Frame):
     def check_own(self, values: Sequence[Node], what: str, place: str) -> None:
         """Refuse values that depend on others than those of this frame."""
         own = {id(vector) for vector in self.vectors.values()}
-        if any(id(vector) not in own for vector in vectors_read(values)):
+        others = [vector for vector in vectors_read(values) if id(vector) not in own]
+        if {*others} - {*self.vectors}:
             self.layout.fail(
-                f"{what} calculates with values that another one has left, or a function of the model, or of repeat, "
-                "in an array or a list outside of it; let functions return what they calculate, and declare what is "
-                "needed at the next tick, or in another task, as a State",
+                "a function of the model, or of repeat, leaves what it calculates in an array or a list outside of it; "
+                "let it return what it calculates",
+                place,
+            )
+        if others:
+            self.layout.fail(
+                f"{what} calculates with values that another one has left outside of the component's variables; "
+                "declare a State for them",
                 place,
             )
 
@@ -147,12 +154,8 @@ class _Alone:
         """Return what is traced; ``trace`` gives it as a tuple that ends with its results."""
         where = f"{place}: component {self.layout.component.__name__}, {what}"
 
-        def afresh() -> tuple:
-            self.kept.restore()
-            return trace()
-
         try:
-            found = shortest(afresh, where, self.functions, most)[0]
+            found = shortest(lambda: with_room(trace, self.kept.restore), where, self.functions, most)[0]
             first = self.kept.later()
             changes = [*first.added_to(self.kept), *first.replaced_in(self.kept)]
             for name, value in changes:
@@ -161,7 +164,7 @@ class _Alone:
             for name, _ in first.replaced_in(self.kept):
                 self._fail(f"{what} changes {name}", place)
             if changes:
-                again = shortest(trace, where, {}, most)[0]
+                again = shortest(lambda: with_room(trace), where, {}, most)[0]
                 second = self.kept.later()
                 for name, _ in [*second.added_to(first), *second.replaced_in(first)]:
                     self._fail(f"{what} changes {name} each time", place)

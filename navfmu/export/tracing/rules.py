@@ -26,9 +26,13 @@ _LARGEST = float(np.finfo(float).max)
 OTHERS = "write it with the functions that can (docs/what_traces.md lists them)"
 
 
-def refuse(what: str, remedy: str) -> NoReturn:
+class NoRoom(NavfmuError):
+    """A traced value is wanted as a number: perhaps it is stored in an array of numbers."""
+
+
+def refuse(what: str, remedy: str, kind: type[NavfmuError] = NavfmuError) -> NoReturn:
     """Raise the error for a construct that has no traced form."""
-    raise NavfmuError(f"{place()}: {what}; {remedy}")
+    raise kind(f"{place()}: {what}; {remedy}")
 
 
 class Scalar:
@@ -53,8 +57,9 @@ class Scalar:
     def __float__(self) -> float:
         refuse(
             "a traced value has no float value (float(), math.*, or storing it in a float array)",
-            "use NumPy functions instead of float() and math.*, and store in arrays that the function makes itself, "
-            "with np.zeros (np.zeros(b.shape) + b is b with room for them), or make one of them with np.array([...])",
+            "use NumPy functions instead of float() and math.*, and store in arrays that the function makes itself: "
+            "np.zeros(...), np.array([...]), a copy of another one",
+            NoRoom,
         )
 
     def __format__(self, how: str) -> str:

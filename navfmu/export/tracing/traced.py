@@ -114,6 +114,31 @@ def contains_traced(x: Any) -> bool:
     return isinstance(x, list | tuple) and any(contains_traced(e) for e in x)
 
 
+def has_symbols(x: Any) -> bool:
+    """Whether nested lists, tuples, dicts or arrays hold a value that is not known while tracing."""
+    if isinstance(x, Traced) or (isinstance(x, np.ndarray) and x.dtype == object):
+        return any(type(e) is Scalar for e in x.ravel().tolist())
+    if isinstance(x, dict):
+        return any(has_symbols(e) for e in x.values())
+    return isinstance(x, Scalar) or (isinstance(x, list | tuple) and any(has_symbols(e) for e in x))
+
+
+def as_numpy(x: Any) -> Any:
+    """Return traced arrays of constants as NumPy's, also in lists, tuples and dicts."""
+    if isinstance(x, Traced):
+        return np.array(x.view(np.ndarray).tolist(), type_of(x)).reshape(x.shape)
+    if isinstance(x, dict):
+        return {key: as_numpy(e) for key, e in x.items()}
+    return type(x)(as_numpy(e) for e in x) if type(x) in (list, tuple) else x
+
+
+def as_fresh(x: Any) -> Any:
+    """Return what NumPy has made of such arrays as what can be assigned to, like these."""
+    if type(x) in (list, tuple):
+        return type(x)(as_fresh(e) for e in x)
+    return x.astype(object).view(Traced) if type(x) is np.ndarray and x.dtype in (float, bool) else x
+
+
 def at_each_place(rule: Callable, columns: list[list], shape: tuple[int, ...]) -> Traced:
     """Apply a rule at each place of columns of elements; in one node where arrays are kept whole."""
     if is_kept_whole(math.prod(shape), *columns):
@@ -149,7 +174,12 @@ def _known(key: Any) -> Any:
 
 
 def _refused(name: str, remedy: str) -> Callable:
-    return lambda self, *args, **kwargs: refuse(f".{name}() depends on values and cannot be traced", remedy)
+    def method(self: Traced, *args: Any, **kwargs: Any) -> Any:
+        if has_symbols((self, args, kwargs)):
+            refuse(f".{name}() depends on values and cannot be traced", remedy)
+        return getattr(as_numpy(self), name)(*args, **kwargs)
+
+    return method
 
 
 class Traced(np.ndarray):

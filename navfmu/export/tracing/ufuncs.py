@@ -9,14 +9,17 @@ import numpy as np
 
 from navfmu.export.tracing import wholes
 from navfmu.export.tracing.products import product
-from navfmu.export.tracing.rules import OTHERS, RULES, Scalar, add, fold, is_boolean, is_whole, refuse, truth
+from navfmu.export.tracing.rules import OTHERS, RULES, NoRoom, Scalar, add, fold, is_boolean, is_whole, refuse, truth
 from navfmu.export.tracing.traced import (
     Traced,
+    as_fresh,
     as_numbers,
+    as_numpy,
     at_each_place,
     broadcast_columns,
     built,
     filled,
+    has_symbols,
     is_kept_whole,
     objects,
     others,
@@ -136,6 +139,8 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
     if kwargs.get("where", True) is not True:
         refuse(f"np.{ufunc.__name__}(..., where=...) is not traced", "use np.where")
     if ufunc is not np.matmul and ufunc not in RULES:
+        if method != "at" and not has_symbols(inputs):
+            return as_fresh(getattr(ufunc, method)(*as_numpy(inputs), **kwargs))
         name = f"np.{ufunc.__name__}" if getattr(np, ufunc.__name__, None) is ufunc else ufunc.__name__
         refuse(f"{name} cannot be traced", OTHERS)
     dtype = kwargs.pop("dtype", None)
@@ -162,6 +167,7 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple, kwargs: dict) -> Any:
         refuse(
             "a traced value is stored in a float array",
             "write x = x + y instead of x += y, and build arrays with np.array([...]), np.stack or np.concatenate",
+            NoRoom,
         )
     if [float, int, bool].index(type_of(out[0])) > [float, int, bool].index(type_of(result)):
         refuse("numbers are stored in an array of another type", "write x = x + y instead of x += y")
