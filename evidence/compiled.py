@@ -72,9 +72,18 @@ def compiled(functions: Iterable[tuple[Callable, Sequence[Any]]], whole: float =
 def source(functions: Sequence[Sequence[Node]]) -> str:
     """Return the C code of functions, each the nodes of its results, and of an array ``functions`` of them."""
     text = [_HEAD, *c_helpers([node for nodes in functions for node in nodes])]
-    text += [c_function(f"f{i}", ["v"], nodes) for i, nodes in enumerate(functions)]
+    text += [_exported(i, nodes) for i, nodes in enumerate(functions)]
     names = ", ".join(f"f{i}" for i in range(len(functions)))
     return "\n".join([*text, f"EXPORT void (*const functions[])(const double *, double *) = {{{names}}};\n"])
+
+
+def _exported(i: int, nodes: Sequence[Node]) -> str:
+    """Return a function of ``v`` and ``r``, which has memory of its own to work in if it needs some."""
+    if not (one := c_function(f"f{i}", ["v"], nodes)).work:
+        return one.text
+    within = c_function(f"within_f{i}", ["v"], nodes)
+    call = f"static double work[{within.work}]; within_f{i}(v, work, r);"
+    return f"{within.text}\nstatic void f{i}(const double *v, double *r) {{ {call} }}\n"
 
 
 def linked(made: list[Compiled]) -> list[Compiled]:

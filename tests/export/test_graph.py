@@ -39,7 +39,7 @@ def test_what_stands_is_found_once_and_what_leads_to_it_is_not():
     assert found[product] == found[same]
     assert sorted(set(found.values())) == [0, 1, 2]
     assert settled(results, lambda node: False).keys() == {lone}
-    text = c_function("f", ["v"], results, {node: ("fixed", place) for node, place in found.items()})
+    text = c_function("f", ["v"], results, {node: ("fixed", place) for node, place in found.items()}).text
     assert "sqrt" not in text
     assert text.count("=") == 4  # a product that a sum reads, and three results: the sum, a difference, what stands
 
@@ -75,7 +75,7 @@ def test_what_is_only_a_result_has_no_name_and_is_set_where_it_is_calculated():
     """Wrong: what is a result and an operand calculated twice, and what is a result twice set once."""
     a, b = (element("v", i) for i in range(2))
     total, product = Node("add", a, b), Node("multiply", a, b)
-    text = c_function("f", ["v"], [total, product, Node("sqrt", total), product, Node("less", a, b)])
+    text = c_function("f", ["v"], [total, product, Node("sqrt", total), product, Node("less", a, b)]).text
     assert "r[2] = sqrt(a0);" in text and "r[4] = v[0] < v[1];" in text
     assert text.index("r[2]") < text.index("r[0] = a0;")
     assert text.count("v[0] + v[1]") == text.count("v[0] * v[1]") == 1

@@ -128,7 +128,7 @@ def test_the_loop_is_left_when_the_count_is_reached_and_holds_what_changes_only(
     """The text: one loop, whose condition has the count, and one logarithm, which is not in it."""
     form = traced(lambda n, a: newton(repeat, n, a), (np.int64(1), 2.0))
     (body,) = c_helpers(form.nodes)
-    text = c_function("f", ["v"], form.nodes)
+    text = c_function("f", ["v"], form.nodes).text
     assert "i < 8 && i < v[0]" in text
     assert text.count("log(") == 1 and "log(" not in body
 

@@ -14,7 +14,7 @@ from navfmu.export import life
 from navfmu.export.printing.printer import (
     DECLARATIONS,
     WIDTH,
-    ArraysTooLarge,
+    WORK,
     c_function,
     c_helpers,
     c_number,
@@ -25,16 +25,13 @@ from navfmu.export.record import ir
 from navfmu.export.record.graph import Array, Node, element, settled
 from navfmu.files import numbers
 
-#: The vectors that a task's function reads, in order, and what its routines search.
-VECTORS, TABLES = ("v", "noise", "time", "fixed"), (DECLARATIONS["tables"],)
+#: The vectors that a task's function reads, in order, what its routines search, and where it works.
+VECTORS, OTHERS = ("v", "noise", "time", "fixed"), (DECLARATIONS["tables"], WORK)
 
 
 def generate(model: ir.Model, guid: str) -> str:
     """Return ``model.c``: everything that the generic runtime needs to know about ``model``."""
-    try:
-        return "\n".join(_source(model, guid)) + "\n"
-    except ArraysTooLarge as error:
-        raise NavfmuError(f"component '{model.name}': {error}") from None
+    return "\n".join(_source(model, guid)) + "\n"
 
 
 def clocks(model: ir.Model) -> list[ir.Clock]:
@@ -87,12 +84,16 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         yield '#include "arrays.h"'
         yield ""
         yield from c_helpers(results)
-    yield c_function("fixed_values", ["v"], once, others=TABLES)
+    functions = [c_function("fixed_values", ["v"], once, others=OTHERS)]
+    yield functions[-1].text
     for i, task in enumerate(model.tasks):
         yield comment(f"Task '{task.name}': r is what it assigns, {_in_vector(model, task.targets)}")
-        yield c_function(f"task_{i}", VECTORS, task.values, known if task.kind != "start" else {}, others=TABLES)
+        to_know = known if task.kind != "start" else {}
+        functions.append(c_function(f"task_{i}", VECTORS, task.values, to_know, others=OTHERS))
+        yield functions[-1].text
     for i, check in enumerate(model.checks):
-        yield c_function(f"check_{i}", VECTORS, [check.holds], others=TABLES)
+        functions.append(c_function(f"check_{i}", VECTORS, [check.holds], others=OTHERS))
+        yield functions[-1].text
     yield from _array(
         "Variable",
         "model_variables",
@@ -161,6 +162,7 @@ def _source(model: ir.Model, guid: str) -> Iterable[str]:
         "input_count": len(inputs),
         "inputs": "model_inputs",
         "input_slot": "model_input_slot",
+        "work_count": most(one.work for one in functions),
         "fixed_count": len(once),
         "fix": "fixed_values",
         "seed": -1 if model.seed is None else model.seed,

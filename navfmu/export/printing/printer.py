@@ -6,11 +6,12 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from navfmu.errors import NavfmuError
 from navfmu.export.record.arrays import Call, Fold, Map, Pack, Product, Repeat, Routine, Run
 from navfmu.export.record.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, Operand, depends, in_order
 
@@ -18,7 +19,7 @@ from navfmu.export.record.graph import CALLS, OPERATIONS, TRUTHS, Array, Node, O
 Known = Mapping[Node, tuple[str, int]]
 _NONE: Known = MappingProxyType({})
 WIDTH = 116  # of lines that are filled
-STACK = 3 << 17  # bytes that the arrays of a function may take; a thread of macOS has 512 kB for all
+STACK = 1 << 16  # bytes that the arrays of a function, and of those that it calls, may take; a thread may have 512 kB
 _KEPT = "\N{NO-BREAK SPACE}"  # a space at which no line ends
 _SHORT = 4  # so many statements are no loop
 _DEEP = 32  # so many maps, each within the next, are one loop
@@ -26,8 +27,17 @@ _DEEP = 32  # so many maps, each within the next, are one loop
 DECLARATIONS = {"tables": "Table *tables"}
 
 
-class ArraysTooLarge(NavfmuError):
-    """A function calculates with larger arrays than a host has memory for."""
+#: Where arrays lie that are too large for the stack of a host's thread.
+WORK = "double *restrict work"
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The text of a C function; how many numbers it needs on the stack and in ``work``, with all that it calls."""
+
+    text: str
+    stack: int
+    work: int
 
 
 def c_function(
@@ -36,23 +46,20 @@ def c_function(
     results: Sequence[Node],
     known: Known = _NONE,
     values: Container[str] = (),
-    others: Iterable[str] = (),
-) -> str:
+    others: Sequence[str] = (),
+) -> Printed:
     """Return a C function of the vectors and ``double *r`` that sets ``r[i]`` to ``results[i]``.
 
     The nodes that are ``known`` are read and not calculated; vectors of one number that are among ``values`` are passed
-    as such. ``others`` are declarations of what routines are given besides.
+    as such. ``others`` are declarations of what it is given besides: what routines need, and memory to work in, which
+    it is given anyway if it needs some.
     """
+    body = _Body(results, known, values)
+    lines = body.lines()
+    others = [*others, *([WORK] if body.work and WORK not in others else [])]
     arguments = [f"double {v}" if v in values else f"const double *restrict {v}" for v in vectors]
     head = f"static void {function}({', '.join([*arguments, *others, 'double *restrict r'])}) {{"
-    body = _Body(results, known, values)
-    text = "\n".join([head, *body.lines(), "}", ""])
-    if (taken := 8 * sum(body.buffers.sizes)) > STACK:
-        raise ArraysTooLarge(
-            f"arrays on the way to a result take {taken // 1024} kB, expected at most {STACK // 1024} kB: they lie on "
-            "the stack of the host's thread, which may have 512 kB on macOS; use smaller arrays"
-        )
-    return text
+    return Printed("\n".join([head, *lines, "}", ""]), body.stack, body.work)
 
 
 def c_helpers(results: Iterable[Node]) -> list[str]:
@@ -72,13 +79,20 @@ def c_helpers(results: Iterable[Node]) -> list[str]:
 
 def c_call(call: Call, sizes: Sequence[int]) -> str:
     """Return the C function of a call whose operands have these sizes."""
-    values = {name for name, size in zip(call.vectors, sizes, strict=True) if size == 1}
-    others = [DECLARATIONS[b] for b in call.before]
-    try:
-        text = c_function(call.name, call.vectors, call.results, values=values, others=others)
-    except ArraysTooLarge as error:
-        raise ArraysTooLarge(f"{call.about or 'a function'}: {error}") from None
-    return f"{comment(call.about)}\n{text}" if call.about else text
+    return _printed(call, sizes).text
+
+
+_prints: WeakKeyDictionary[Call, Printed] = WeakKeyDictionary()
+
+
+def _printed(call: Call, sizes: Sequence[int]) -> Printed:
+    """Return the function of a call, which is printed once."""
+    if call not in _prints:
+        values = {name for name, size in zip(call.vectors, sizes, strict=True) if size == 1}
+        others = [DECLARATIONS[b] for b in call.before]
+        one = c_function(call.name, call.vectors, call.results, values=values, others=others)
+        _prints[call] = replace(one, text=f"{comment(call.about)}\n{one.text}") if call.about else one
+    return _prints[call]
 
 
 def comment(text: str) -> str:
@@ -165,6 +179,8 @@ class _Body:
         self.statements: list[str] = []
         self.constants: dict[tuple[str, bytes], tuple[str, str]] = {}  # kind and numbers -> name and definition
         self.buffers = _Places()
+        self.stack = self.work = 0  # numbers that it needs, with what it calls
+        self.now = 0  # which node it is that is printed
         self.in_loops = 0  # names that were given
         self.final = self._final()  # arrays that lie in the results, and where
 
@@ -181,6 +197,7 @@ class _Body:
         for now, node in enumerate(order):
             if isinstance(node, Array):
                 if node not in self.known and node not in self.fused:
+                    self.now = now
                     self._array(node, now, last.get(node, 0))
                     self._store_of(node, within.get(node, []))
             elif node in once:
@@ -191,8 +208,27 @@ class _Body:
         for i, node in enumerate(self.results):
             if i not in done:
                 self.statements.append(f"    r[{i}] = {self.texts[node]};")
-        buffers = [f"    double w{k}[{size}];" for k, size in enumerate(self.buffers.sizes)]
-        return [*(text for _, text in self.constants.values()), *buffers, *self.statements]
+        return [*(text for _, text in self.constants.values()), *self._memory(whole), *self.statements]
+
+    def _memory(self, whole: Sequence[Array]) -> list[str]:
+        """Return the definitions of the buffers, on the stack if it holds them and those of all that is called."""
+        called = [_printed(call, [o.size for o in operands]) for call, operands in map(_called, whole) if call]
+        self.stack = max((one.stack for one in called), default=0)
+        self.work = max((one.work for one in called), default=0)
+        sizes = self.buffers.sizes
+        if 8 * (sum(sizes) + self.stack) <= STACK:
+            self.stack += sum(sizes)
+            lines = [f"    double w{k}[{size}];" for k, size in enumerate(sizes)]
+            return [*lines, "    double *const rest = work;"] if self.work else lines
+        first = [sum(sizes[:k]) for k in range(len(sizes) + 1)]
+        lines = [f"    double *const w{k} = {_plus('work', place)};" for k, place in enumerate(first[:-1])]
+        lines += [f"    double *const rest = work + {first[-1]};"] if self.work else []
+        self.work += first[-1]
+        return lines
+
+    def _rest(self, call: Call, sizes: Sequence[int]) -> list[str]:
+        """Return the memory that a function is given to work in."""
+        return ["rest"] if _printed(call, sizes).work else []
 
     def _last_uses(self, order: list[Node]) -> dict[Node, float]:
         last: dict[Node, float] = {}
@@ -480,6 +516,7 @@ class _Body:
 
     def _call(self, array: Array, name: str) -> None:
         given = [self._value(o) if o.size == 1 else self._pointer(o) for o in array.operands]
+        given += self._rest(array.how, [o.size for o in array.operands])
         self.statements.append(f"    {array.how.name}({', '.join([*given, name])});")
 
     def _repeat(self, array: Array, name: str) -> None:
@@ -487,12 +524,13 @@ class _Body:
         begin, *others, count = array.operands
         self._copy(begin, name, 0)
         now = f"{name}[0]" if array.size == 1 else name
-        given = [now, *(self._value(o) if o.size == 1 else self._pointer(o) for o in others)]
+        given = [now, *(self._value(o) if o.size == 1 else self._pointer(o) for o in others), *how.call.before]
+        given += self._rest(how.call, [o.size for o in array.operands[:-1]])
+        after = f"w{self.buffers.take(array.size, self.now, self.now)}"
         self.statements += [
             f"    for (int i = 0; i < {how.most} && i < {self._value(count)}; i++) {{",
-            f"        double next[{array.size}];",
-            f"        {how.call.name}({', '.join([*given, *how.call.before, 'next'])});",
-            f"        for (int j = 0; j < {array.size}; j++) {name}[j] = next[j];",
+            f"        {how.call.name}({', '.join([*given, after])});",
+            f"        for (int j = 0; j < {array.size}; j++) {name}[j] = {after}[j];",
             "    }",
         ]
 

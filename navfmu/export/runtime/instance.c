@@ -84,6 +84,7 @@ static size_t lay_out(Instance *self, char *base) {
     self->fixed = take(base, &size, at_least_one(model.fixed_count), sizeof(double));
     self->held = take(base, &size, at_least_one(model.input_count), sizeof(double));
     self->noise = take(base, &size, at_least_one(model.most_normals), sizeof(double));
+    self->work = take(base, &size, at_least_one(model.work_count), sizeof(double));
     self->result = take(base, &size, at_least_one(model.most_targets), sizeof(double));
     if (base) lay_out_state(self, state);
     return size;
@@ -231,7 +232,7 @@ static int run(Instance *self, const Task *task, int64_t k, double time) {
         uint64_t key[2] = {(uint64_t)nearest_int(self->v[model.seed]), (uint64_t)nearest_int(self->v[model.stream])};
         standard_normals(key, (uint64_t)k, task->stream, self->noise, task->normals);
     }
-    task->evaluate(self->v, self->noise, &time, self->fixed, self->tables, self->result);
+    task->evaluate(self->v, self->noise, &time, self->fixed, self->tables, self->work, self->result);
     if (check_wholes(self, task)) return 1;
     for (int i = 0; i < task->target_count; i++) self->v[task->targets[i]] = self->result[i];
     return 0;
@@ -521,7 +522,8 @@ static int parameters_hold(Instance *self) {
     }
     if (good) good = clocks_hold(self);
     for (int i = 0; i < model.check_count && good; i++) {
-        model.checks[i].holds(self->v, self->noise, &self->state->start, self->fixed, self->tables, self->result);
+        model.checks[i].holds(self->v, self->noise, &self->state->start, self->fixed, self->tables, self->work,
+                              self->result);
         if (self->result[0] == 0 || isnan(self->result[0])) {
             report_check(self, &model.checks[i]);
             good = 0;
@@ -532,7 +534,7 @@ static int parameters_hold(Instance *self) {
 
 static void fix(Instance *self) {
     self->previewed = 0;
-    model.fix(self->v, self->tables, self->fixed);
+    model.fix(self->v, self->tables, self->work, self->fixed);
 }
 
 static int instance_take(Instance *self, const State *state) {

@@ -66,7 +66,7 @@ struct Instance {
     double *fixed;    /* follows from values that stand since initialisation: not part of the state */
 
     /* buffers of one task's run */
-    double *held, *noise, *result;
+    double *held, *noise, *work, *result;
     void *memory;
 };
 

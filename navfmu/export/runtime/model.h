@@ -29,12 +29,12 @@ typedef struct {
 typedef struct Table Table; /* table.h */
 
 /* Calculates r from all variables, fresh random numbers, the time, what Fix has calculated, and what is found in tables;
-   r overlaps none of them. */
+   work is memory for what is on the way to it. Neither overlaps anything else. */
 typedef void Evaluate(const double *v, const double *noise, const double *time, const double *fixed, Table *tables,
-                      double *r);
+                      double *work, double *r);
 
 /* Calculates from the variables what stands once initialisation has ended. */
-typedef void Fix(const double *v, Table *tables, double *fixed);
+typedef void Fix(const double *v, Table *tables, double *work, double *fixed);
 
 /* Calculates, from the inputs in v, the outputs as they leave at communication point k, and what is remembered for later
    points. The last call at a point counts. */
@@ -110,6 +110,7 @@ typedef struct {
     const int *inputs;
     const int *input_slot;       /* for each variable: its place among them, or -1 */
     int seed, stream;            /* index in v of the parameters that key the noise, or -1 */
+    int work_count;              /* how many numbers the functions need to work in */
     int fixed_count;             /* how many numbers fix calculates */
     Fix *fix;
     Through *through;            /* or NULL */

@@ -183,7 +183,7 @@ class _Alone:
 
 
 def _printed(values: Sequence[Node]) -> str:
-    return "\n".join([*c_helpers(values), c_function("f", [*_VECTORS], values)])
+    return "\n".join([*c_helpers(values), c_function("f", [*_VECTORS], values).text])
 
 
 def _task(alone: _Alone, task: TaskDeclaration) -> ir.Task:
