@@ -133,6 +133,32 @@ def test_what_one_map_hands_to_the_next_is_stored_nowhere():
     assert c_function("f", ["v"], two.nodes).text.count(" * v[") == 1
 
 
+def written_twice(h, p, x):
+    """A product, a map that two loops read, and a function of the runtime."""
+    once = (h @ p) @ h.T + (h @ p)[:, :3]
+    halves = np.linalg.solve(p, x)[:6] + np.linalg.solve(p, x)[6:]
+    return np.concatenate([once.ravel(), np.cumsum(2.0 * x + 1.0), (2.0 * x + 1.0)[::-1], halves])
+
+
+def written_alike(h, p, x):
+    """What differs by a stride, a sign of zero, a constant, an order or a shape."""
+    products = (p @ x + p.T @ x) @ np.linspace(0.0, 1.0, 12) - p @ x @ np.linspace(1.0, 2.0, 12)
+    zeros = np.arctan2(0.0 * x, -1.0) - np.arctan2(-0.0 * x, -1.0)
+    sums = np.concatenate([np.sum(p, axis=0), np.sum(p, axis=1), np.cumsum(x), np.cumsum(x[::-1])])
+    return np.concatenate([[products], zeros, sums, np.sum(p.reshape(16, 9), axis=1), np.max(p, 0), np.min(p, 0)])
+
+
+def test_what_is_written_twice_is_calculated_once_and_what_looks_alike_is_not():
+    """Wrong: H P of a gain and of a covariance are two products; or, compared by halves, one for two."""
+    given = [RNG.normal(size=(3, 12)), RNG.integers(-9, 9, (12, 12)) / 8.0 + 20.0 * np.eye(12), np.arange(12.0) - 4.0]
+    made = traced(written_twice, given, 8)
+    assert sorted(kinds(made)) == ["Map", "Map", "Map", "Map", "Product", "Product", "Routine", "Run"]
+    for function in (written_twice, written_alike):
+        (single,), (whole,) = compiled([(function, given)]), compiled([(function, given)], 8)
+        assert same(single(*given), whole(*given))
+        np.testing.assert_allclose(whole(*given), function(*given), rtol=1e-12, atol=1e-12)
+
+
 def test_buffers_are_used_again():
     def chain(a):
         for _ in range(20):

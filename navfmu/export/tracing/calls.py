@@ -21,7 +21,7 @@ import numpy as np
 
 from navfmu.errors import NavfmuError
 from navfmu.export.record import arrays
-from navfmu.export.record.graph import Array, Node, element, is_inexact, vectors_read
+from navfmu.export.record.graph import Node, element, is_inexact, vectors_read
 from navfmu.export.record.graph import number as constant
 from navfmu.export.tracing import wholes
 from navfmu.export.tracing.extent import FEWER, LEAST, TooLong, current, shortest
@@ -98,7 +98,7 @@ def _call(function: FunctionType, args: tuple, kwargs: dict) -> Any:
     leaves = given.leaves
     columns = [[leaf] if isinstance(leaf, Scalar) else leaf.view(np.ndarray).ravel().tolist() for leaf in leaves]
     operands = [wholes.operand(column) if len(column) == 1 else wholes.block(column) for column in columns]
-    array = Array(found.how, len(found.how.results), operands)
+    array = wholes.made(found.how, len(found.how.results), operands)
 
     def filled(given: _Given, first: int) -> Any:
         numbers = []

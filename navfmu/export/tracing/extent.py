@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from navfmu.errors import NavfmuError
+from navfmu.export.record.alike import Alike
 
 #: Operations on single numbers that a task is traced with before its arrays are kept whole.
 MOST = 13_000
@@ -43,6 +44,8 @@ class Extent:
     calls: bool = False  # the model's own functions are called
     operations: int = 0
     packs: dict = field(default_factory=dict)  # what was gathered for array nodes, each once
+    alike: Alike = field(default_factory=Alike)  # the array nodes that were made, of equal ones the first
+    handed_out: dict = field(default_factory=dict)  # their numbers
     functions: dict = field(default_factory=dict)  # of the model that were recorded as calls
     written_out: set = field(default_factory=set)  # long functions of the model that were traced in their place
 

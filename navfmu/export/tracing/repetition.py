@@ -51,7 +51,7 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     others = [wholes.block([Scalar(node) for node in body.constant])] if body.constant else []
     call = _call(body, [len(begin), *(other.size for other in others)])
     operands = [wholes.operand(begin), *others, wholes.operand(objects(count).ravel().tolist())]
-    array = Array(arrays.Repeat(call, most), len(begin), operands)
+    array = wholes.made(arrays.Repeat(call, most), len(begin), operands)
     answers, first = [], 0
     for shape, kind in zip(shapes, kinds, strict=True):
         size = math.prod(shape)

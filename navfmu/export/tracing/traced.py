@@ -355,7 +355,7 @@ def routine(
     read = [wholes.block(c) if x.ndim else wholes.operand(c) for x, c in zip(given, columns, strict=True)]
     values = frozenset(k for k, x in enumerate(given) if not x.ndim)
     how = arrays.Routine(name, tuple(numbers), tuple(before), values)
-    return filled(shape, wholes.elements(graph.Array(how, math.prod(shape), read), kind))
+    return filled(shape, wholes.elements(wholes.made(how, math.prod(shape), read), kind))
 
 
 def expressions(array: Any) -> list[Node]:

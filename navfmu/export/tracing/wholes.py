@@ -13,9 +13,17 @@ from navfmu.export.tracing.extent import LEAST, current
 from navfmu.export.tracing.rules import Scalar, expression, is_boolean, is_whole
 
 
+def made(how: Any, size: int, operands: Sequence[Operand]) -> Array:
+    """Return the array node that calculates this; there is but one."""
+    return current().alike.first(Array(how, size, operands))
+
+
 def elements(array: Array, kind: str, size: int | None = None, first: int = 0) -> list[Scalar]:
-    """Return numbers of an array node."""
-    return [Scalar(element(array, first + i), kind) for i in range(array.size if size is None else size)]
+    """Return numbers of an array node, of which there is but one each."""
+    known, key = current().handed_out, (array, kind, size, first)
+    if key not in known:
+        known[key] = [Scalar(element(array, first + i), kind) for i in range(array.size if size is None else size)]
+    return [*known[key]]
 
 
 def operand(column: Sequence[Any], fits: Callable[[Operand], bool] = lambda _: True) -> Operand:
@@ -26,7 +34,7 @@ def operand(column: Sequence[Any], fits: Callable[[Operand], bool] = lambda _: T
     known, key = current().packs, tuple(_identities(column))
     if key not in known:
         pieces = [found] if found is not None else [_plain(piece) for piece in _pieces(column)]
-        packed = Array(Pack(), len(column), [piece for piece in pieces if piece is not None])
+        packed = made(Pack(), len(column), [piece for piece in pieces if piece is not None])
         known[key] = Operand(packed, np.arange(len(column)), len(column)), column  # kept: its identities are the key
     return known[key][0]
 
@@ -132,7 +140,7 @@ def mapped(rule: Callable, columns: Sequence[Sequence[Any]], shape: tuple[int, .
     order = sorted(used)
     operands = [operand(columns[k]) for k in order]
     formula = _renumbered(result.node, {k: i for i, k in enumerate(order)})
-    return elements(Array(Map(formula, shape), size, operands), result.kind)
+    return elements(made(Map(formula, shape), size, operands), result.kind)
 
 
 def _leaves(formula: Node) -> list[Node]:
@@ -160,14 +168,14 @@ def folded(
     """Return rows of a matrix of elements, each folded by a rule of two elements; see :class:`Fold`."""
     result = rule(*_pair(column))
     how = Fold(rows, length, expression(result), first, pairwise)
-    return elements(Array(how, rows, [matrix(column, rows, length)]), result.kind)
+    return elements(made(how, rows, [matrix(column, rows, length)]), result.kind)
 
 
 def accumulated(rule: Callable, column: Sequence[Any], rows: int, length: int) -> list[Any]:
     """Return all that a fold passes through; see :class:`Run`."""
     result = rule(*_pair(column))
     how = Run(rows, length, expression(result))
-    return elements(Array(how, rows * length, [matrix(column, rows, length)]), result.kind)
+    return elements(made(how, rows * length, [matrix(column, rows, length)]), result.kind)
 
 
 def _pair(column: Sequence[Any]) -> list[Scalar]:
@@ -179,4 +187,4 @@ def multiplied(a: Sequence[Any], b: Sequence[Any], rows: int, inner: int, column
     """Return the elements of a product of matrices; see :class:`Product`."""
     kind = "i" if all(map(is_whole, a)) and all(map(is_whole, b)) else "f"
     operands = [matrix(a, rows, inner), matrix(b, inner, columns, beside=min(rows, columns) >= LEAST)]
-    return elements(Array(Product(rows, inner, columns), rows * columns, operands), kind)
+    return elements(made(Product(rows, inner, columns), rows * columns, operands), kind)
