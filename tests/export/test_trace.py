@@ -133,6 +133,7 @@ EXACT = {
     "empty, then assigned": (lambda a: _filled_from_nothing(a), A),
     "rows assigned through views": (lambda m: _through_views(m), M),
     "assigned where a mask holds": (lambda a, m: _masked(a, m), A, M),
+    "a mask on both sides": (lambda a, b, m: _mask_on_both_sides(a, b, m), A, B, M),
     "a table that is kept": (lambda a: a * _kept(3), A),
     "index of the largest": (lambda v, m: v.argmax() + np.argmin(v) + m.argmax(axis=0) + np.argmin(m, axis=1), V, M),
     "first of equal ones, and NaN": (
@@ -266,6 +267,15 @@ def _masked(a, m):
     n[a > 0.0] = 7.0
     n[m < 0.0] = m[0, 0]
     return b + n
+
+
+def _mask_on_both_sides(a, b, m):
+    x, y, z = a.copy(), 2.0 * b, np.zeros((3, 3))
+    x[a > 0.0] = b[a > 0.0]
+    y[b < a] += np.sqrt(np.abs(x[b < a])) / a[b < a] - a[0] * x[b < a] ** 2
+    z[a < 1.0] = m[a < 1.0] * b
+    z[m > 0.0] -= 1.0
+    return x + y + z
 
 
 @cache
@@ -452,6 +462,10 @@ REFUSED = {
     "index of a list": (lambda a: [1, 2, 3][a[0]], "np.where"),
     "index of a traced array": (lambda a: a[a[0]], "np.where"),
     "mask": (lambda a: a[a > 0], "np.where"),
+    "sum over a mask": (lambda a: np.sum(a[a > 0]), "np.where"),
+    "another mask": (lambda a: (2.0 * a).__setitem__(a > 0, a[a > 1]), "with one"),
+    "array beside a mask": (lambda a: a[a > 0] * a, "np.where"),
+    "stack of a mask": (lambda a: np.stack([a[a > 0], a]), "np.where"),
     "store in an array that is there before": (_store, "np.array([...])"),
     "store in a slice of it": (_store_slice, "np.array([...])"),
     "add to it": (_add_to_float_array, "x = x + y"),

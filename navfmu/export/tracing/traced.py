@@ -28,6 +28,7 @@ from navfmu.export.tracing.rules import (
     truth,
     whole,
 )
+from navfmu.export.tracing.selected import Selected
 
 
 def unwrapped(element: Any) -> Any:
@@ -189,8 +190,8 @@ class Traced(np.ndarray):
 
     def __getitem__(self, key: Any) -> Any:
         key = _known(key)
-        if isinstance(key, Traced) and type_of(key) is bool:
-            refuse("how many elements a traced mask selects is not known", "choose with np.where(mask, values, others)")
+        if isinstance(key, Traced) and type_of(key) is bool and key.shape == self.shape[: key.ndim]:
+            return Selected(key, self)
         if contains_traced(key):
             refuse("an array is indexed with a traced value", "select with np.where, or index with constants")
         result = super().__getitem__(key)
@@ -202,10 +203,12 @@ class Traced(np.ndarray):
         key = _known(key)
         if isinstance(key, Traced) and type_of(key) is bool and key.shape == self.shape[: key.ndim]:
             mask = key.reshape(key.shape + (1,) * (self.ndim - key.ndim))
-            if np.ndim(value) > self.ndim - key.ndim:
+            if isinstance(value, Selected):
+                value = value.at(key)
+            elif np.ndim(value) > self.ndim - key.ndim:
                 refuse(
                     "what is assigned where a traced mask holds has as many elements as the mask holds for",
-                    "assign one value, or x = np.where(mask, values, x)",
+                    "assign one value, x = np.where(mask, values, x), or x[mask] = values[mask]",
                 )
             key, value = ..., np.where(mask, value, self)
         if contains_traced(key):
