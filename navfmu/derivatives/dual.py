@@ -298,5 +298,4 @@ _REMEDIES = {
     "lstsq": "solve the normal equations with np.linalg.solve",
     "pinv": "write np.linalg.solve(A.T @ A, A.T)",
     "copyto": "assign, x[...] = y",
-    "fill_diagonal": "assign, x[range(n), range(n)] = y",
 }

@@ -68,3 +68,14 @@ for _function in _named(_OF_ONE):
 for _function in _named(_OF_MANY):
     joins = _function not in (np.broadcast_arrays, np.meshgrid)
     RULES[_function] = partial(_of_many, _VALUES.get(_function, (0,) if joins else None))
+
+
+def _fill_diagonal(call: Callable, level: int, array: Any, filling: Any, wrap: bool = False) -> None:
+    places = zeros(np.shape(array), np.int8)
+    call(places, 1, wrap)
+    indices, elements = np.nonzero(places), np.ravel(filling)
+    array[indices] = elements[np.arange(len(indices[0])) % len(elements)]
+
+
+RULES[np.fill_diagonal] = _fill_diagonal
+SHOWING.add(np.fill_diagonal)  # an array that depends on nothing is not its values here: it is assigned to

@@ -30,6 +30,14 @@ def assigned(x):
     return matrix @ x
 
 
+def diagonals(x):
+    square, tall = np.outer(x, x), np.zeros((7, 3))
+    np.fill_diagonal(square, x * x)
+    np.fill_diagonal(tall, x[:2], wrap=True)
+    np.fill_diagonal(tall[4:], 2.0)
+    return np.concatenate([square, tall])
+
+
 def accumulated(x):
     b = 2.0 * x
     c = b
@@ -155,6 +163,7 @@ CHOOSING = {
     "accumulated": accumulated,
     "aliases": aliases,
     "assigned": assigned,
+    "diagonals": diagonals,
     "abs": lambda x: abs(x) + np.fabs(x) * C + np.absolute(x[0]),
     "arctan2": lambda x: np.arctan2(x[0], x[1]) + np.arctan2(x, 2.0) + np.arctan2(-1.0, x),
     "hypot, norm": lambda x: (

@@ -49,7 +49,6 @@ REFUSED = {
     "partition": (lambda x: np.partition(x, 1), "np.sort"),
     "sort as a method": (lambda x: x.sort(), "NumPy's functions"),
     "quantile": (lambda x: np.quantile(x, 0.5), "np.sort"),
-    "a diagonal that is filled": (lambda x: np.fill_diagonal(np.zeros((3, 3)), x), "x[range(n), range(n)] = y"),
     "a place for the result": (lambda x: np.cumsum(x, out=np.zeros(3)), "assign the result"),
     "where of a ufunc": (lambda x: np.sqrt(x, where=x > 1.0), "np.where"),
     "where of a quotient": (lambda x: np.divide(1.0, x, out=np.zeros_like(x), where=x > 1.0), "np.where"),

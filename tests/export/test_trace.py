@@ -540,11 +540,17 @@ def test_numpy_is_left_as_it_was():
 def test_dates_that_are_written_are_traced_and_libraries_read_what_they_like():
     """Wrong: a date is refused because it could tell the present one, or a path because a library asks for it."""
 
+    seen = []
+
     def function(a):
+        thread = threading.Thread(target=lambda: seen.append(time.time() + len(os.environ["PATH"])))
+        thread.start()
+        thread.join()
         then = datetime.datetime(2026, 11, 30)
         return a * then.day + isinstance(then, datetime.date) + len(os.path.expanduser("~"))
 
     assert np.array_equal(traced(function, A), function(A))
+    assert len(seen) == 2, "another thread of the same module does not trace"
     assert type(datetime.datetime.now()) is type(datetime.datetime(2026, 11, 30)) is datetime.datetime
 
 

@@ -139,9 +139,8 @@ def _np_isclose(a: Any, b: Any, rtol: Any = 1e-5, atol: Any = 1e-8, equal_nan: b
 def _np_fill_diagonal(a: Any, val: Any, wrap: bool = False) -> None:
     places = np.zeros(np.shape(a), np.int8)
     np.fill_diagonal(places, 1, wrap)
-    places = np.flatnonzero(places)
-    values = np.ravel(val)
-    a[np.unravel_index(places, np.shape(a))] = values[np.arange(len(places)) % len(values)]
+    indices, values = np.nonzero(places), np.ravel(val)
+    a[indices] = values[np.arange(len(indices[0])) % len(values)]
 
 
 def _np_insert(arr: Any, obj: Any, values: Any, axis: Any = None) -> Any:

@@ -10,7 +10,8 @@ import os
 import random
 import sys
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from threading import get_ident
 from types import ModuleType
 from typing import Any, NoReturn
 
@@ -55,9 +56,20 @@ class _Refusing:
         _drawn()
 
 
+class _Model:
+    """The functions of some modules, in the thread that traces them."""
+
+    def __init__(self, modules: Iterable[ModuleType]) -> None:
+        self._names, self._thread = {module.__name__ for module in modules}, get_ident()
+
+    def asks(self) -> bool:
+        """Whether one of these calls what calls this."""
+        return self._thread == get_ident() and sys._getframe(2).f_globals.get("__name__") in self._names
+
+
 def stand_ins(modules: list[ModuleType]) -> Iterator[tuple[Any, str, Any, Any]]:
     """Yield what refuses the functions of the modules such a thing: owner, name, original and what stands for it."""
-    names = {module.__name__ for module in modules}
+    model = _Model(modules)
     places = [
         *((owner, name, value, _drawn) for owner in (np.random, random) for name, value in _functions(owner)),
         *((time, name, getattr(time, name), _clock) for name in _CLOCKS if hasattr(time, name)),
@@ -65,9 +77,9 @@ def stand_ins(modules: list[ModuleType]) -> Iterator[tuple[Any, str, Any, Any]]:
     ]
     found: dict[int, Any] = {}
     for _, _, value, refused in places:
-        found.setdefault(id(value), _refusing(value, names, refused, only_now=refused is _clock))
-    others = [(datetime, one.__name__, _dated(one, names)) for one in _DATES]
-    others.append((os, "environ", _Environment(os.environ, names)))
+        found.setdefault(id(value), _refusing(value, model, refused, only_now=refused is _clock))
+    others = [(datetime, one.__name__, _dated(one, model)) for one in _DATES]
+    others.append((os, "environ", _Environment(os.environ, model)))
     found |= {id(getattr(owner, name)): one for owner, name, one in others}
     yield from ((owner, name, value, found[id(value)]) for owner, name, value, _ in places)
     yield from ((owner, name, getattr(owner, name), one) for owner, name, one in others)
@@ -85,23 +97,18 @@ def _functions(owner: ModuleType) -> Iterable[tuple[str, Callable]]:
             yield name, value
 
 
-def _asked(names: Collection[str], depth: int = 2) -> bool:
-    """Whether it is a function of the model that calls what has called this."""
-    return sys._getframe(depth).f_globals.get("__name__") in names
-
-
-def _refusing(original: Callable, names: set[str], refused: Callable, only_now: bool = False) -> Callable:
+def _refusing(original: Callable, model: _Model, refused: Callable, only_now: bool = False) -> Callable:
     """Return a function that does the same, but not for the model; ``only_now``: where it is given nothing."""
 
     def function(*args: Any, **kwargs: Any) -> Any:
-        if _asked(names) and not (only_now and args):
+        if model.asks() and not (only_now and args):
             refused()
         return original(*args, **kwargs)
 
     return function
 
 
-def _dated(original: Any, names: set[str]) -> type:
+def _dated(original: Any, model: _Model) -> type:
     """Return the class of dates that tells the model no present one."""
 
     class Alike(type):
@@ -113,7 +120,7 @@ def _dated(original: Any, names: set[str]) -> type:
 
     def present(name: str) -> classmethod:
         def method(cls: type, *args: Any, **kwargs: Any) -> Any:
-            if _asked(names):
+            if model.asks():
                 _clock()
             return getattr(original, name)(*args, **kwargs)
 
@@ -127,18 +134,18 @@ def _dated(original: Any, names: set[str]) -> type:
 class _Environment:
     """Stands for the environment of the process."""
 
-    def __init__(self, original: Any, names: set[str]) -> None:
-        self._original, self._names = original, names
+    def __init__(self, original: Any, model: _Model) -> None:
+        self._original, self._model = original, model
 
     def __getattr__(self, name: str) -> Any:
-        if _asked(self._names):
+        if self._model.asks():
             _environment()
         return getattr(self._original, name)
 
 
 def _by_operator(name: str) -> Callable:
     def method(self: _Environment, *args: Any) -> Any:
-        if _asked(self._names):
+        if self._model.asks():
             _environment()
         return getattr(self._original, name)(*args)
 
