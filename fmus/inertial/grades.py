@@ -195,7 +195,8 @@ INERTIAL: dict[str, ParameterSet] = {
         "but steps of "
         "9.0 deg/h at 64 Hz; random drift 0.003 deg/h, taken as the floor. Accelerometers QA-2000 in steps of "
         "15.26, 15.26 "
-        "and 61.0 micro-g. Noise of neither is printed: 0.003 deg/sqrt(h), 5 micro-g per root Hz (own choice).",
+        "and 61.0 micro-g. All is filtered to 10 Hz; 32768 steps to both sides are 82 deg/s and 0.5, 0.5 and 2 g. "
+        "Noise of neither is printed: 0.003 deg/sqrt(h), 5 micro-g per root Hz (own choice).",
         {
             **NO_DRIFT,
             **_turn_on(0.007, 30e-6, 0.0, 0.0, 0.003),
@@ -203,9 +204,13 @@ INERTIAL: dict[str, ParameterSet] = {
             "gyro_flicker": 0.003 * DEG_PER_HOUR / FLOOR,
             "gyro_noise_sigma": walk(0.003, 1.0 / 64.0),
             "gyro_g_sensitivity_sigma": 0.008 * DEG_PER_HOUR / G,
+            "gyro_bandwidth": 10.0,
             "gyro_resolution": 9.0 * DEG_PER_HOUR,
+            "gyro_range": 2.0**15 * 9.0 * DEG_PER_HOUR,
             "accelerometer_noise_sigma": 40.0 * MICRO_G,
+            "accelerometer_bandwidth": 10.0,
             "accelerometer_resolution": np.array([15.26, 15.26, 61.0]) * MICRO_G,
+            "accelerometer_range": 2.0**15 * np.array([15.26, 15.26, 61.0]) * MICRO_G,
             "sample_period": 1.0 / 64.0,
         },
     ),

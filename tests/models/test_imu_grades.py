@@ -87,6 +87,8 @@ PRINTED = {  # parameter, in what it is printed, and what is printed: RTO MP-43 
         ("gyro_g_sensitivity_sigma", DEG / HOUR / G, 0.008),
         ("gyro_resolution", DEG / HOUR, 9.0),
         ("accelerometer_resolution", 1e-6 * G, [15.26, 15.26, 61.0]),
+        ("gyro_bandwidth", 1.0, 10.0),
+        ("accelerometer_bandwidth", 1.0, 10.0),
     ],
 }
 
@@ -139,6 +141,15 @@ def test_the_micropak_just_sees_the_rate_of_the_earth(native):
     steps = run["reading.rate"][1:, 0] / (9.0 * DEG / HOUR)
     assert set(np.rint(steps)) <= {1.0, 2.0, 3.0, 0.0}
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+
+
+def test_the_micropak_has_sixteen_bits(native):
+    """ "Digitized with 16-bit resolution": in a turn of 90 deg/s and at 3 g it shows its largest numbers."""
+    truth = {"rate": (np.radians(90.0), 0.0, 0.0), "specific_force": (0.0, 6.0, -30.0)}
+    run = native.run(1.0, 1.0 / 64.0, RECORD, {**INERTIAL["micropak"].values, **truth})
+    assert run["reading.rate"][-1, 0] / (9.0 * DEG / HOUR) == pytest.approx(32768.0, abs=1e-6)
+    assert run["reading.specific_force"][-1, 1] / (15.26e-6 * G) == pytest.approx(32768.0, abs=1e-6)
+    assert run["reading.specific_force"][-1, 2] / (61.0e-6 * G) == pytest.approx(-32768.0, abs=1e-6)
 
 
 def test_the_warming_horizon_settles_where_fig_3_6_does(native):
