@@ -154,6 +154,25 @@ def test_the_horizon_turns_where_its_chart_does(native):
     assert lowest["horizon"] == pytest.approx(lowest["horizon_warming"] / 5.0, rel=0.35)
 
 
+def test_at_a_hundred_samples_a_second_the_horizon_turns_earlier(native):
+    """Its noise is that of a sample: more of them average sooner, and the low point is at 20 s instead of 245 s.
+
+    As the set is bound to a unit of 100 Hz; with the noise of 1 Hz kept per root second it would still fall there.
+    """
+    degree = np.pi / 180.0
+    unit = INERTIAL["horizon_warming"].values
+    values = {**unit, **QUIET, "self_heating": 0.0, "calibration_temperature": 293.15}
+    values |= {name: unit[name] for name in ("gyro_noise_sigma", "gyro_drift_sigma")}
+    run = native.run(2000.0, 0.01, ["reading.rate"], values)["reading.rate"][1:] / degree
+    spans = np.array([200, 1000, 2000])
+    found, time = allan.deviation(run, 0.01, spans), 0.01 * spans
+    expected = np.hypot(0.005 / np.sqrt(time), allan.gauss_markov(time, 0.01, 1000.0))
+    assert np.all(np.abs(np.log(found / expected)) < BOUND * allan.spread(len(run), 3, spans))
+    fine = np.arange(5.0, 100.0)
+    closed = np.hypot(0.005 / np.sqrt(fine), allan.gauss_markov(fine, 0.01, 1000.0))
+    assert fine[np.argmin(closed)] == pytest.approx(20.0, abs=1.0)
+
+
 def test_flicker_is_stationary_from_the_first_sample(native):
     """Its variance at turn-on and 1000 s later, 200 turn-ons: DECADES processes of (0.856 B)^2 each."""
     firsts, lasts = [], []
