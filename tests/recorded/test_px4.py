@@ -104,6 +104,35 @@ def test_field_fixes_and_air_data_come_back_in_si_units(player, tmp_path):
     np.testing.assert_allclose(told["temperature"][2:], 285.15, rtol=1e-6)
 
 
+def test_what_the_log_lacks_is_told(player, tmp_path, capsys):
+    """A damaged record, and a stretch of 250 ms that the logger says it lost, were passed over in silence."""
+    frame = samples.imu(samples.stamps(500, 0.003, 0.006))
+    rows = [
+        (t, *v[:3], 4000, *v[3:]) for t, v in zip(frame["time"], frame.drop(columns="time").to_numpy(), strict=True)
+    ]
+    path = log(tmp_path / "a.ulg", sensor_combined=rows)
+    assert import_samples(px4.read(path, "imu"), player("imu")).told == ()
+    data = path.read_bytes()
+    dropout = struct.pack("<HBH", 2, ord("O"), 250)
+    path.write_bytes(data + dropout)
+    (told,) = import_samples(px4.read(path, "imu"), player("imu")).told
+    assert told == "the logger lost data 1 time(s), for up to 250 ms and 250 ms in all"
+    stray = struct.pack("<HBH", 34, ord("D"), 77) + bytes(32)  # of a topic that there is not
+    path.write_bytes(data + stray)
+    assert (
+        "the log is damaged; what could not be read is missing"
+        in import_samples(px4.read(path, "imu"), player("imu")).sentences()
+    )
+    assert capsys.readouterr().out == ""
+
+
+def test_the_topic_that_is_missing_is_the_one_that_is_named(tmp_path):
+    """A log with a barometer and no airspeed was said to have no vehicle_air_data."""
+    path = log(tmp_path / "c.ulg", vehicle_air_data=[(1.0, 9.5e4)])
+    with pytest.raises(NavfmuError, match=r"has no airspeed and no airspeed_validated, so nothing of 'air_data'"):
+        px4.read(path, "air_data")
+
+
 def test_what_cannot_be_read_is_a_sentence(tmp_path, monkeypatch):
     (tmp_path / "no.ulg").write_bytes(b"nothing of it")
     with pytest.raises(NavfmuError, match=r"no\.ulg: this is no log of PX4"):

@@ -21,12 +21,14 @@ _INDEX = re.compile(r"\d+")
 
 @dataclass(frozen=True)
 class File:
-    """Columns by name; ``units`` are those that stand in the header, as in ``time (ms)``."""
+    """Columns by name; ``units`` are those that stand in the header, as in ``time (ms)``; ``told`` is what there is to
+    say of the file as a whole."""
 
     path: str
     frame: pd.DataFrame = field(repr=False)
     first_line: int | None = None  # of the rows in a text
     units: dict[str, str] = field(default_factory=dict)
+    told: tuple[str, ...] = ()
 
     @property
     def names(self) -> list[str]:

@@ -34,6 +34,7 @@ class Imported:
     samples: dict[str, Samples | None]
     tick: float
     unused: tuple[str, ...]
+    told: tuple[str, ...] = ()  # of the file as a whole
 
     @property
     def streams(self) -> list[Samples]:
@@ -47,7 +48,7 @@ class Imported:
 
     def sentences(self) -> list[str]:
         """What there is to say, for the user."""
-        found = []
+        found = list(self.told)
         for samples in self.streams:
             named = f"{samples.wanted.table}: " if len(self.streams) > 1 else ""
             found += [named + sentence for sentence in account.sentences(samples, self.tick)]
@@ -113,7 +114,7 @@ def import_samples(file: File, player: str | Path, asked: Asked | None = None) -
     used |= {asked.columns.get(name, (name,))[0] for name in ("time", "time_of_validity", "valid")}
     tick = float(describe(player).variable("tick_period", player).start)
     unused = tuple(name for name in file.names if name not in used)
-    return Imported(file.path, player, tuple(found), samples, tick, unused)
+    return Imported(file.path, player, tuple(found), samples, tick, unused, file.told)
 
 
 def _check_used(file: File, asked: Asked, taken: list[Samples]) -> None:

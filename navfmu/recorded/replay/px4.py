@@ -6,6 +6,8 @@ from the start of the log, the same for all sensors.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -84,14 +86,25 @@ def read(path: str | Path, sensor: str) -> File:
         raise NavfmuError(f"{path}: logs of PX4 are read with pyulog, which is not installed: {remedy}") from None
     names = [topic.name for choice in TOPICS[sensor] for topic in choice]
     try:
-        log = ULog(str(path), names)
+        with contextlib.redirect_stdout(None):  # pyulog prints what it thinks of the file
+            log = ULog(str(path), names)
     except Exception as problem:  # of a file that is none, pyulog raises what comes
         raise NavfmuError(f"{path}: this is no log of PX4 ({quoted(' '.join(str(problem).split()))})") from None
     for choice in TOPICS[sensor]:
         found = [_frame(log, topic) for topic in choice]
         if found[0] is not None:
-            return _file(path, found)
-    raise NavfmuError(f"{path}: the log has no {' and no '.join(dict.fromkeys(names))}, so nothing of '{sensor}'")
+            return _file(path, found, tuple(_damage(log)))
+    first = dict.fromkeys(choice[0].name for choice in TOPICS[sensor])
+    raise NavfmuError(f"{path}: the log has no {' and no '.join(first)}, so nothing of '{sensor}'")
+
+
+def _damage(log: Any) -> Iterator[str]:
+    """Say what the log lacks."""
+    if log.file_corruption:
+        yield "the log is damaged; what could not be read is missing"
+    if log.dropouts:
+        times = [dropout.duration for dropout in log.dropouts]
+        yield f"the logger lost data {len(times)} time(s), for up to {max(times)} ms and {sum(times)} ms in all"
 
 
 def _frame(log: Any, topic: Topic) -> tuple[pd.DataFrame, dict[str, str]] | None:
@@ -108,7 +121,7 @@ def _frame(log: Any, topic: Topic) -> tuple[pd.DataFrame, dict[str, str]] | None
     return pd.DataFrame(columns), units
 
 
-def _file(path: Path, found: list[tuple[pd.DataFrame, dict[str, str]] | None]) -> File:
+def _file(path: Path, found: list[tuple[pd.DataFrame, dict[str, str]] | None], told: tuple[str, ...]) -> File:
     frame, units = found[0]
     for other in filter(None, found[1:]):
         frame = pd.merge_asof(frame, other[0].sort_values("time"), on="time")
@@ -119,4 +132,4 @@ def _file(path: Path, found: list[tuple[pd.DataFrame, dict[str, str]] | None]) -
         frame["temperature"] = frame["temperature"].where(frame["temperature"] > NO_TEMPERATURE)
     if "fix_type" in frame:
         frame["valid"] = frame.pop("fix_type") >= FIX
-    return File(str(path), frame, None, units)
+    return File(str(path), frame, None, units, told)
