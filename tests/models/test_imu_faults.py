@@ -58,6 +58,43 @@ def test_f13_a_change_shows_at_once_and_leaves_nothing_behind(native, fault):
             np.testing.assert_allclose(difference, np.broadcast_to(expected, difference.shape), atol=off)
 
 
+INCREMENTS = ["increment.angle", "increment.velocity"]
+
+
+@pytest.mark.parametrize("fault", ["vibrating", *CHANGES])
+@pytest.mark.parametrize("samples", [1, 2, 4])
+def test_increments_come_back_when_trapezoid_and_products_have_passed_the_fault(native, fault, samples):
+    """Bit for bit from ``samples`` samples on, and not before; pulses differ by one at most in their sum.
+
+    A remainder that grew, or products that reach further, would be seen.
+    """
+    value = CHANGES[fault][0] if fault in CHANGES else 1.0
+    for quantum in (0.0, 1e-5):
+        parameters = {"seed": 4, "coning_samples": samples, "angle_quantum": quantum, "velocity_quantum": quantum}
+        none, some = (
+            native.run(
+                3.0,
+                0.01,
+                INCREMENTS,
+                parameters,
+                lambda t, on=on: (
+                    {"rate": RATE, "specific_force": FORCE}
+                    | {fault: value if on and ON - 1e-9 < t < OFF - 1e-9 else 0.0 * np.asarray(value)}
+                ),
+            )
+            for on in (False, True)
+        )
+        for name in INCREMENTS:
+            difference = (some[name] - none[name])[201:]
+            if quantum:
+                sums = np.cumsum(difference[samples:], axis=0)
+                assert np.max(np.abs(sums)) < 1.1 * quantum
+            else:
+                np.testing.assert_array_equal(difference[samples:], 0.0)
+        if not quantum:
+            assert any(np.any(some[name][200 + samples] != none[name][200 + samples]) for name in INCREMENTS)
+
+
 def test_f13_a_unit_that_turns_takes_its_leaning_axes_along(native):
     """It turns first and then leans: of a force along z, z shows a tenth of what x does. The other way it does not."""
     parameters = {**QUIET, "accelerometer_nonorthogonality": (0.0, 0.1, 0.0), "misalignment_change": (0.0, 0.05, 0.0)}
