@@ -520,7 +520,7 @@ class Interpreter:
             if not holds or holds != holds:
                 values = {n: float(self.values[self.layout.index(n)]) for n in requirement.names}
                 show = re.compile(r"\{([^}]*)\}")
-                sentences.append(show.sub(lambda m, values=values: f"{values[m[1]]:.6g}", requirement.message))
+                sentences.append(show.sub(lambda m, values=values: f"{values[m[1]]:.9g}", requirement.message))
                 break
         if sentences:
             raise NavfmuError(" ".join(sentences))

@@ -159,8 +159,9 @@ def test_the_native_field_agrees_with_pygeomag(references, tmp_path):
 
 
 @pytest.mark.parametrize("component", [Magnetometer, Ahrs])
-@pytest.mark.parametrize("date", [2009.9, 2030.1, 20.26])
+@pytest.mark.parametrize("date", [2009.9, 2009.9973, 2030.0027, 20.26])
 def test_a_date_outside_every_model_is_refused_with_a_sentence(component, date):
+    """Also by a day: 2010, to six digits, is not outside of 2010.0 to 2030.0."""
     with pytest.raises(NavfmuError, match=rf"the date {date} is outside .*2010, 2015, 2020 and 2025 are valid from"):
         interpret(component, date=date)
 

@@ -216,7 +216,7 @@ class Check:
     """A requirement on parameters, the elements of ``v``, tested when initialisation ends."""
 
     holds: Node
-    message: str  # "{name}" is replaced by the parameter's value, printed with %.6g
+    message: str  # "{name}" is replaced by the parameter's value, printed with %.9g
     names: tuple[tuple[str, int], ...] = ()  # placeholder name and index in v
 
 

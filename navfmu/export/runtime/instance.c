@@ -505,7 +505,7 @@ static void report_check(Instance *self, const Check *check) {
     const int *value = check->values;
     for (const char *c = check->message; *c && length + 32 < sizeof sentence; c++) {
         if (c[0] == '{' && c[1] == '}') {
-            length += (size_t)snprintf(sentence + length, 32, "%.6g", shown(self->v[*value++]));
+            length += (size_t)snprintf(sentence + length, 32, "%.9g", shown(self->v[*value++]));
             c++;
         } else {
             sentence[length++] = *c;
