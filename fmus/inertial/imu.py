@@ -172,6 +172,14 @@ class Imu(
     thermal_decay = State("1", description="exp(-T/tau) of the temperature")
     taken = State(kind="integer", description="samples taken so far")
 
+    @require(
+        "flicker_time is {flicker_time} s and wander_period {wander_period} s; expected a wander_period that is not "
+        "longer, as held values make more flicker noise than gyro_flicker and accelerometer_flicker tell"
+    )
+    def flicker_is_followed(self):
+        flickers = np.stack([sensors.flicker for sensors in self.triads()])
+        return np.logical_or(self.wander_period <= self.flicker_time, np.all(flickers == 0.0))
+
     @require("a resolution is larger than the range of its axis; expected steps that fit into it, or 0 for none")
     def steps_fit_the_range(self):
         fits = [(sensors.range == 0.0) | (sensors.resolution <= sensors.range) for sensors in self.triads()]

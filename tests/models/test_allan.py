@@ -11,8 +11,9 @@ import pytest
 from fmus.inertial.grades import INERTIAL
 from fmus.inertial.imu import Imu
 from models.inertial import flicker
+from navfmu.errors import NavfmuError
 from tests.models import allan
-from tests.models.native import Native
+from tests.models.native import Native, interpret
 from tests.models.test_imu import QUIET, RECORD
 
 SAMPLES = 40000
@@ -89,6 +90,15 @@ def test_flicker_noise_is_flat(native):
     found = allan.deviation(errors, 1.0, spans) / (0.664 * 0.01)
     bounds = BOUND * allan.spread(len(errors), 6, spans)
     assert np.all(np.abs(np.log(found)) < bounds + 0.07)
+
+
+def test_flicker_noise_that_is_held_too_long_is_refused():
+    """Of 0.1 s, advanced every second, it had 1.7 times its floor at a second; without flicker no period matters."""
+    sentence = "flicker_time is 0.1 s and wander_period 1 s; expected a wander_period that is not longer"
+    with pytest.raises(NavfmuError, match=sentence):
+        interpret(Imu, flicker_time=0.1, accelerometer_flicker=(0.0, 0.0, 1e-3))
+    interpret(Imu, flicker_time=0.1, accelerometer_flicker=(0.0, 0.0, 1e-3), wander_period=0.1)
+    interpret(Imu, flicker_time=0.1)
 
 
 def test_a_ramp_rises_with_one(native):
