@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +27,9 @@ from navfmu.terminal.table import Column, Kind, Table
 
 if TYPE_CHECKING:
     from navfmu.system.system import System
+
+
+_ELEMENT = re.compile(r"\[\d+\]$")
 
 
 @click.command("info")
@@ -105,18 +110,29 @@ def _variables(variables: list[Variable], about: Description, title: str) -> Tab
         Column("range", Kind.WORD),
         Column("description", Kind.SENTENCE),
     ]
-    rows = (
-        [
+    shown = [
+        (
             v.name,
             "Enumeration" if v.enumeration else v.type,
             v.unit or "",
             _start(v, about),
             _range(v, about),
             v.description,
-        ]
+        )
         for v in variables
-    )
-    return Table(columns, rows, title)
+    ]
+    return Table(columns, [[_elements(names), *rest] for names, rest in _alike(shown)], title)
+
+
+def _alike(rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[list[str], list[str]]]:
+    """Names of rows one after the other that differ in the last index of their names alone, and what else they say."""
+    for (_, *rest), group in itertools.groupby(rows, key=lambda row: (_ELEMENT.sub("[]", row[0]), *row[1:])):
+        yield [row[0] for row in group], rest
+
+
+def _elements(names: Sequence[str]) -> str:
+    """Names of elements as one: rate[1..3]."""
+    return names[0] if len(names) == 1 else f"{names[0][:-1]}..{_ELEMENT.search(names[-1])[0][1:]}"
 
 
 def _start(variable: Variable, about: Description) -> str:

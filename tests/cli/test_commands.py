@@ -19,6 +19,7 @@ from navfmu.export import Bundle, Component, Input, Output, Parameter, every
 from navfmu.export.build import build
 from navfmu.ssp import SystemSource
 from navfmu.system import result
+from tests import built
 from tests.components import systems
 
 
@@ -70,6 +71,14 @@ class Fallible(Component):
     @every("sample_period")
     def step(self):
         self.reading.publish(y=self.u, when=np.logical_not(self.blinded))
+
+
+def test_info_tells_elements_of_an_array_that_are_alike_once(tmp_path_factory):
+    """A vector parameter was told three times: 392 lines for imu."""
+    out = navfmu("info", built.fmu("imu_replay", tmp_path_factory))
+    assert "reading.rate[1..3] " in out and "reading.rate[2]" not in out
+    assert "reading.specific_force[1..2] " in out and "reading.specific_force[3] " in out  # which starts at -g
+    assert "20 outputs" in out
 
 
 def test_info_tells_what_can_be_failed(tmp_path):
