@@ -399,6 +399,7 @@ class AirData(Component):
             self.pitot_coefficient_sigma,
             self.pressure_offset_sigma,
             self.temperature_error_sigma,
+            self.recovery_factor,
         )
         pressure_altitude = atmosphere.pressure_altitude(shown)
         noise_sigma = altimeter.noise_sigma(self.altitude_noise_sigma, self.altitude_noise_slope, height)

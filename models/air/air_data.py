@@ -18,6 +18,9 @@ What errors of the instrument are in true airspeed follows from (1) by its deriv
     d(q_c / p)/dM = 7/5 M (1 + M^2 / 5)^(5/2).                                                                       (2)
 
 An error of indicated airspeed grows with height: at low Mach numbers as one over the root of the relative density.
+Where the probe is warmed by the flow the temperature has a part in it: V^2 is proportional to M^2 / (1 + r M^2 / 5), so
+
+    dV/V = dM/M / (1 + r M^2 / 5).                                                                                   (3)
 """
 
 from __future__ import annotations
@@ -100,10 +103,10 @@ def true_airspeed(calibrated, static, temperature):
     return atmosphere.speed_of_sound(temperature) * true_mach(calibrated, static)
 
 
-def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset, probe):
+def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset, probe, recovery=0.0):
     """Standard deviation of :func:`true_airspeed` by independent errors of the instrument, m/s.
 
-    To first order, by (2) and by V = a(T) M. Where the difference of pressures is less than its own error the root
+    To first order, by (2), (3) and by V = a(T) M. Where the difference of pressures is less than its own error the root
     has no derivative of use, and that of as large a difference stands for it.
 
     Parameters
@@ -116,6 +119,8 @@ def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset,
         Sigmas of the difference of pressures, of :func:`sensed`: relative, and in Pa.
     probe
         Sigma of the temperature, K.
+    recovery
+        r of the probe.
     """
     least = calibrated_airspeed(np.hypot(offset, LEAST_DIFFERENCE))
     low = np.maximum(calibrated, least) / atmosphere.SPEED_OF_SOUND
@@ -123,4 +128,5 @@ def true_airspeed_sigma(calibrated, static, temperature, airspeed, gain, offset,
     high, sound = mach(difference / static), atmosphere.speed_of_sound(temperature)
     by_airspeed = atmosphere.PRESSURE * impact_slope(low) / atmosphere.SPEED_OF_SOUND
     pressure = np.sqrt((by_airspeed * airspeed) ** 2 + (gain * difference) ** 2 + offset**2)
-    return sound * np.hypot(pressure / (static * impact_slope(high)), 0.5 * high * probe / temperature)
+    by_pressure = pressure / (static * impact_slope(high)) / stagnation_ratio(high, recovery)
+    return sound * np.hypot(by_pressure, 0.5 * high * probe / temperature)

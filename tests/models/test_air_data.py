@@ -192,6 +192,21 @@ def test_each_error_has_its_share_of_that_sigma(only, expected):
     assert run.get("air.true_airspeed_sigma") == pytest.approx(wanted, rel=0.013)
 
 
+@pytest.mark.parametrize("recovery", [0.0, 0.7, 1.0])
+def test_a_probe_that_is_warmed_takes_its_part_of_that_sigma(recovery):
+    """By a difference: what a gain that is given changes. At Mach 0.78 a probe of the total temperature leaves 1 / 1.12
+    of it, and a sigma that does not know has a mean square of 0.79."""
+
+    def fly(**errors):
+        run = interpret(AirData, **QUIET | errors, recovery_factor=recovery, altitude=11278.0, velocity_n=(230.0, 0, 0))
+        run.do_step(0.0, 0.1)
+        return run
+
+    least, most = (fly(pitot_coefficient=gain).get("air.true_airspeed") for gain in (-0.01, 0.01))
+    sigma = fly(pitot_coefficient_sigma=0.02, seed=3).get("air.true_airspeed_sigma")
+    assert sigma == pytest.approx(most - least, rel=0.03)  # the gain that is drawn moves it by 1.1 % a sigma
+
+
 def test_at_rest_the_sigma_is_that_of_the_offset():
     """Of a difference of pressures n 10 Pa with n normal, sqrt(2 max(n, 0) 10 / rho) has the rms sqrt(20 x 0.4 / rho);
     its derivative, infinite at rest, has nothing to do with it."""
