@@ -223,7 +223,7 @@ def complained(plan: Plan, logs: Sequence[Log], without: Collection[int]) -> lis
 
 def missed(lost: Mapping[str, int], plan: Plan) -> list[str]:
     """Which samples were lost."""
-    why = "the communication step is longer than the measurement period"
+    why = "more than one came in a communication step, or in a tick of what sends them"
     if len(plan.effects):
         why += ", or a fault held them back"
     sentences = []

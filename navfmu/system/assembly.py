@@ -340,11 +340,11 @@ def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure:
     values: dict[str, Any] = {}
     places: dict[str, str] = {}
     ignored = structure.ignored
+    missing: dict[tuple[str, str], list[Setting]] = {}  # elements of an array together
     for setting in component.settings:
         variable = fmu.description.by_name.get(setting.name)
         if variable is None:
-            close = names.hint(setting.name, fmu.description.by_name)
-            ignored.append(f"{setting.where}: '{component.name}' has no variable '{setting.name}'{close}")
+            missing.setdefault((setting.where.rpartition(", line")[0], names.array(setting.name)), []).append(setting)
             continue
         name = f"{component.name}.{setting.name}"
         if name in fed:
@@ -364,6 +364,11 @@ def _settings(component: Component, fmu: Fmu, fed: Mapping[str, str], structure:
         if setting.name in values:
             ignored.append(f"{places[setting.name]}: the value of '{name}' is overridden in {setting.where}")
         values[setting.name], places[setting.name] = value, setting.where
+    for (_, whole), settings in missing.items():
+        first, *others = settings
+        close = names.hint(first.name, fmu.description.by_name)
+        name = f"{whole}' of {len(settings)} elements" if others else f"{first.name}'"
+        ignored.append(f"{first.where}: '{component.name}' has no variable '{name}{close}")
     return values
 
 
