@@ -51,8 +51,9 @@ def _values(axis, samples: Samples, name: str) -> None:
     for label, column in zip(quantity.labels, values.T, strict=True):
         axis.plot(samples.time[seen], column[seen], ".", ms=1.5, label=label.partition(" ")[0])
     _shade(axis, samples)
-    axis.set(title=f"{name}: {', '.join(samples.sources[name].columns)}", ylabel=quantity.unit)
-    axis.legend(loc="upper right", fontsize=8, markerscale=5)
+    columns = samples.sources[name].columns
+    axis.set(title=name if columns == (name,) else f"{name}: {', '.join(columns)}", ylabel=quantity.unit)
+    _legend(axis)
 
 
 def _intervals(axis, samples: Samples, tick: float) -> None:
@@ -60,18 +61,25 @@ def _intervals(axis, samples: Samples, tick: float) -> None:
     interval, repeated = 1e3 * np.diff(samples.time), samples.repeated()
     places, lost = account.gaps(samples), account.lost(samples, tick)
     axis.plot(samples.time[1:], interval, ".", ms=1.5, c="C0", label="to the one before")
-    axis.plot(samples.time[1:][repeated[1:]], interval[repeated[1:]], ".", ms=3, c=REPEATS, label="repeats its values")
-    axis.axhline(1e3 * tick, c="k", lw=0.7, ls=":", label="a tick of the FMU")
+    if repeated.any():
+        again = samples.time[1:][repeated[1:]]
+        axis.plot(again, interval[repeated[1:]], ".", ms=3, c=REPEATS, label="repeats its values")
+    axis.axhline(1e3 * tick, c="k", lw=1.0, ls=":", zorder=3, label="a tick of the FMU")
     _shade(axis, samples)
-    found = f"{len(places)} gaps (shaded), {int(repeated.sum())} repeats, {lost} lost in ticks of {1e3 * tick:g} ms"
-    axis.set_ylim(bottom=0.0)
-    axis.set(title=f"{len(samples)} samples: {found}", ylabel="ms")
-    axis.legend(loc="upper right", fontsize=8, markerscale=5)
+    found = f"gaps (shaded) {len(places)}, repeats {int(repeated.sum())}, lost in ticks of {1e3 * tick:g} ms {lost}"
+    axis.set_ylim(0.0, 1.15 * np.max(np.append(interval, 1e3 * tick)))
+    axis.set(title=f"samples {len(samples)}, {found}", ylabel="ms")
+    _legend(axis)
+
+
+def _legend(axis) -> None:
+    """Beside the panel, where it hides nothing."""
+    axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, markerscale=5, frameon=False)
 
 
 def _shade(axis, samples: Samples) -> None:
     places, interval = account.gaps(samples), np.diff(samples.time)
     for place in places[np.argsort(interval[places])[-MOST:]]:
-        axis.axvspan(samples.time[place], samples.time[place + 1], color=GAPS, alpha=0.3, lw=0.0)
+        axis.axvspan(samples.time[place], samples.time[place + 1], color=GAPS, alpha=0.4, lw=0.8)  # wider than nothing
     for time in samples.time[~samples.valid][:MOST]:
         axis.axvline(time, color=INVALID, lw=0.3, zorder=0)
