@@ -6,6 +6,7 @@ import re
 import zipfile
 
 import fmpy
+import matplotlib.image
 import numpy as np
 import pandas as pd
 import pytest
@@ -467,6 +468,19 @@ def test_the_page_and_info_are_those_of_the_recording(take, tmp_path, capsys):
     show(str(fmu))
     told = " ".join(capsys.readouterr().out.split())
     assert "recording, as it was imported" in told and "1 gap(s) of more than" in told and "samples are lost" in told
+
+
+def test_a_short_gap_is_seen_in_the_picture(take, tmp_path):
+    """30 ms of 60 s are less than a dot: shaded with their own width alone they were not there."""
+    frame = samples.imu(samples.stamps(6000, 0.009, 0.011))
+
+    def orange(name, frame):
+        draw(take("imu", frame), tmp_path / name)
+        red, green, blue = np.moveaxis(matplotlib.image.imread(tmp_path / name)[40:, :600, :3], 2, 0)
+        return np.count_nonzero((red > green + 0.05) & (green > blue + 0.05) & (blue > 0.55))  # not that of the curves
+
+    whole, lacking = orange("whole.png", frame), orange("lacking.png", frame.drop(index=range(3000, 3003)))
+    assert lacking - whole > 100  # a line through three panels of 150 dots
 
 
 def test_what_pandas_writes_by_itself_is_read(tmp_path):
