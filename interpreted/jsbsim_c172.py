@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
 from fmus.motion.aircraft import Aircraft
 from interpreted.cessna import Cessna
 from models.motion import aircraft, autopilot, flight_plan
 from navfmu.export import Component, Output, Parameter, State, every, require, start
+
+
+def _airspeed(speed, description):
+    """A speed of the plan of aircraft, which is one over ground there."""
+    speed = copy.copy(speed)
+    speed.description = description
+    return speed
 
 
 class JsbsimC172(Component):
@@ -43,11 +52,11 @@ class JsbsimC172(Component):
     initial_longitude = Aircraft.initial_longitude
     initial_altitude = Aircraft.initial_altitude
     initial_track = Aircraft.initial_track
-    initial_speed = Aircraft.initial_speed
+    initial_speed = _airspeed(Aircraft.initial_speed, "true airspeed at t = 0, 30 to 60 m/s")
     segment_duration = Aircraft.segment_duration
     segment_turn_rate = Aircraft.segment_turn_rate
     segment_vertical_speed = Aircraft.segment_vertical_speed
-    segment_speed = Aircraft.segment_speed
+    segment_speed = _airspeed(Aircraft.segment_speed, "true airspeed, 30 to 60 m/s")
     roll_rate_limit = Aircraft.roll_rate_limit
     acceleration_limit = Aircraft.acceleration_limit
     vertical_acceleration_limit = Aircraft.vertical_acceleration_limit

@@ -14,6 +14,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from evidence.jsbsim import closure, wrapped
+from fmus.motion.aircraft import Aircraft
 from interpreted.jsbsim_c172 import JsbsimC172
 from models.earth import earth
 from models.motion.flight_plan import KNOT, FlightPlan, straight, turn
@@ -61,6 +62,13 @@ def begun(**values):
         flight.set(name, value)
     flight.setup()
     return flight
+
+
+def test_speeds_of_the_plan_are_told_as_what_they_are():
+    """The page called them speeds over ground, as they are in aircraft: in wind another flight."""
+    for name in ("initial_speed", "segment_speed"):
+        assert getattr(JsbsimC172, name).description.startswith("true airspeed")
+        assert getattr(Aircraft, name).description.startswith("speed over ground")
 
 
 @pytest.fixture(scope="module")
