@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from navfmu.errors import visible
 from navfmu.fmi import tables
 
 PAGE, ACCOUNT = "documentation/index.html", "documentation/import.txt"
@@ -14,6 +15,7 @@ AS_BUILT = "as built it holds"
 def recorded(files: Mapping[str, bytes], name: str, text: str, account: str) -> dict[str, bytes]:
     """Return the files of a player with the account of the recording ``name``, which ``text`` describes; where there is
     a page, too, and without the response of the built-in samples."""
+    account = "\n".join(map(visible, account.split("\n")))  # columns may have names of any characters
     files = {**files, ACCOUNT: account.encode()}
     return {**files, PAGE: _page(files, name, text, account)} if PAGE in files else files
 

@@ -470,6 +470,15 @@ def test_the_page_and_info_are_those_of_the_recording(take, tmp_path, capsys):
     assert "recording, as it was imported" in told and "1 gap(s) of more than" in told and "samples are lost" in told
 
 
+def test_names_of_columns_may_have_any_characters(take, tmp_path):
+    """XML has no NUL: the page of such a file was a traceback."""
+    fmu = take("imu", IMU.assign(**{"a\x00\x1b[2Jb": 1.0})).write(tmp_path / "flight.fmu")
+    with zipfile.ZipFile(fmu) as archive:
+        for name in ("index.html", "import.txt"):
+            told = archive.read(f"documentation/{name}").decode()
+            assert "columns not used: a" in told and "\x00" not in told and "\x1b" not in told
+
+
 def test_a_short_gap_is_seen_in_the_picture(take, tmp_path):
     """30 ms of 60 s are less than a dot: shaded with their own width alone they were not there."""
     frame = samples.imu(samples.stamps(6000, 0.009, 0.011))
