@@ -225,6 +225,8 @@ def test_position_error_with_angle_of_attack_and_sideslip(fly):
     assert coefficient(pitch=eight) == pytest.approx(0.3 * eight, rel=1e-6)
     for sign in (-1.0, 1.0):
         assert coefficient(heading=sign * ten) == pytest.approx(-2.0 * ten**2, rel=1e-6)
+    # sideslip is the angle out of the plane of symmetry, whatever the angle of attack
+    assert coefficient(pitch=eight, heading=ten) == pytest.approx(0.3 * eight - 2.0 * ten**2, rel=1e-6)
     # on the right side: the air from the left comes from below
     assert coefficient(roll=np.pi / 2, heading=ten) == pytest.approx(0.3 * ten, rel=1e-6)
 
@@ -306,6 +308,13 @@ def test_f22_is_mended_by_the_alternate_source(fly):
     run = fly(90.0, altitude=hill, faults=faults, cabin_coefficient=0.0)
     assert at(run, "pressure_altitude", 49.0) > at(run, "pressure_altitude", 70.0)
     assert at(run, "pressure_altitude", 70.0) == at(fly(90.0, altitude=hill), "pressure_altitude", 70.0)
+
+
+def test_f24_the_alternate_source_is_as_wide_as_the_port(fly):
+    """At sea level with a line of 1 s: what is left of the change falls by e in a second."""
+    run = fly(30.0, altitude=0.0, faults={"alternate_static": (5.0, 99.0, 1)}, static_lag_time=1.0)
+    six, seven, end = (at(run, "pressure_altitude", t) for t in (6.0, 7.0, 30.0))
+    assert (end - seven) / (end - six) == pytest.approx(np.exp(-1.0), rel=1e-2)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.9, 0.98, 1.0])

@@ -42,6 +42,15 @@ def test_sigma_and_correlation_over_the_ground(native, velocity, stop):
     assert abs(np.arctanh(np.corrcoef(values[:, 0, 0], values[:, 1, 0])[0, 1])) < bound
 
 
+def test_the_way_flown_is_that_over_the_ground_in_any_direction(native):
+    """100 m/s north, and as fast to the north-west in a climb: the same seed has the same weather."""
+    north, west = (
+        native.run(500.0, 10.0, SIGNALS, {"velocity_n": v}) for v in ((100.0, 0.0, 0.0), (60.0, -80.0, -9.0))
+    )
+    for name in SIGNALS:
+        np.testing.assert_allclose(west[name], north[name], rtol=1e-12)
+
+
 def test_distances_of_their_own(native):
     """Steps of 5 km, over which one process changes altogether and the other hardly: 400 of them, bounds at 1e-6."""
     parameters = {"velocity_n": (50.0, 0.0, 0.0), "sample_period": 100.0, "pressure_distance": 1e7}
