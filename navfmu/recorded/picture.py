@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from navfmu.errors import visible
 from navfmu.files.writing import replacing
 from navfmu.recorded.importer import Imported
 from navfmu.recorded.track import FOOT, KNOT
@@ -56,7 +57,7 @@ def draw(imported: Imported, path: str | Path) -> None:
     cross.set(title="across track, recorded minus smoothed", ylabel="m", xlabel="min")
     for ax in axes.flat[2:]:
         ax.grid(alpha=0.3)
-    figure.suptitle(Path(imported.source).name)
+    figure.suptitle(visible(Path(imported.source).name), parse_math=False)
     figure.tight_layout()
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=90)

@@ -471,8 +471,11 @@ def test_the_page_and_info_are_those_of_the_recording(take, tmp_path, capsys):
 
 
 def test_names_of_columns_may_have_any_characters(take, tmp_path):
-    """XML has no NUL: the page of such a file was a traceback."""
-    fmu = take("imu", IMU.assign(**{"a\x00\x1b[2Jb": 1.0})).write(tmp_path / "flight.fmu")
+    """XML has no NUL, and Matplotlib reads what is between two $: the page and the picture were tracebacks."""
+    frame = renamed(IMU, rate_x="$\\no{$").assign(**{"a\x00\x1b[2Jb": 1.0})
+    imported = take("imu", frame, columns={"rate": ("$\\no{$", "rate_y", "rate_z")})
+    draw(imported, tmp_path / "flight.png")
+    fmu = imported.write(tmp_path / "flight.fmu")
     with zipfile.ZipFile(fmu) as archive:
         for name in ("index.html", "import.txt"):
             told = archive.read(f"documentation/{name}").decode()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import shutil
 import zipfile
@@ -22,6 +23,7 @@ from navfmu.errors import NavfmuError
 from navfmu.export import Input, Output
 from navfmu.recorded.archive import write_fmu
 from navfmu.recorded.importer import import_track
+from navfmu.recorded.picture import draw
 from tests import built
 from tests.recorded.made import flight, recorded
 
@@ -79,6 +81,12 @@ def test_is_valid_and_describes_the_flight(fmu, imported):
     assert "timing jitter" in account and "along track" in account
     assert "<title>made</title>" in page and "timing jitter" in page
     assert "two minutes of level flight" not in page and "<h2>Response</h2>" not in page
+
+
+def test_a_file_may_have_any_name(imported, tmp_path):
+    """Matplotlib reads what is between two $."""
+    draw(dataclasses.replace(imported, source="$\\no{$.csv"), tmp_path / "track.png")
+    assert (tmp_path / "track.png").stat().st_size > 10_000
 
 
 def test_plays_the_smoothed_flight_exactly(fmu, imported):

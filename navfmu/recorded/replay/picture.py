@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from navfmu.errors import visible
 from navfmu.files.writing import replacing
 from navfmu.recorded.replay import account
 from navfmu.recorded.replay.importer import Imported
@@ -33,7 +34,7 @@ def draw(imported: Imported, path: str | Path) -> None:
         axis.grid(alpha=0.3)
         axis.set_xlim(0.0, imported.duration)
         axis.set_xlabel("t (s)")
-    figure.suptitle(Path(imported.source).name)
+    figure.suptitle(visible(Path(imported.source).name), parse_math=False)
     figure.tight_layout()
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=80)
@@ -52,7 +53,9 @@ def _values(axis, samples: Samples, name: str) -> None:
         axis.plot(samples.time[seen], column[seen], ".", ms=1.5, label=label.partition(" ")[0])
     _shade(axis, samples)
     columns = samples.sources[name].columns
-    axis.set(title=name if columns == (name,) else f"{name}: {', '.join(columns)}", ylabel=quantity.unit)
+    title = name if columns == (name,) else f"{name}: {visible(', '.join(columns))}"
+    axis.set_title(title, parse_math=False)  # names of columns may have a $
+    axis.set_ylabel(quantity.unit)
     _legend(axis)
 
 
