@@ -336,6 +336,15 @@ def test_begins_where_it_is_told_and_says_what_is_left_out(take):
     assert f"{np.sum(TIME < 10.0)} sample(s) before t = 0 are left out" in imported.sentences()
 
 
+def test_a_late_receiver_is_told_as_late_or_put_right(take):
+    """Stamps 0.36 s late: --age tells it, --start takes it out; both would tell the same thing twice."""
+    for asked, late in (({"age": 0.36}, 0.0), ({"start": 0.36}, 0.36)):
+        told = columns(take("gps", GPS, **asked), "fixes")
+        np.testing.assert_allclose(told["time"], SLOW[-len(told["time"]) :] - late, rtol=0.0, atol=1e-9)
+        valid = SLOW[-len(told["time"]) :] - 0.36  # as it was, on the clock of the other sensors
+        np.testing.assert_allclose(told["time_of_validity"], valid, rtol=0.0, atol=1e-9)
+
+
 def test_a_file_may_hold_the_samples_of_two_bundles(take):
     """Angles and velocities of the last interval, beside rates: both are played, with numbers of their own."""
     both = IMU.assign(interval=0.02)
