@@ -74,8 +74,8 @@ class Wind(Component):
         display_unit="kn",
         description="speed at which gust and turbulence are met; thesis section 5.5.2: 90 kn",
     )
-    shear = Input(kind="boolean", fault=True, description="fault: the wind changes by shear_n while this is set")
-    gust = Input(kind="boolean", fault=True, description="fault: the front of a gust is met when this is set")
+    shear = Input(kind="boolean", fault=True, description="fault F26: the wind changes by shear_n while this is set")
+    gust = Input(kind="boolean", fault=True, description="fault F26: the front of a gust is met when this is set")
 
     mean_n = Parameter(
         3, "m/s", start=0.0, min=-100.0, max=100.0, display_unit="kn", description="mean wind, north, east, down"

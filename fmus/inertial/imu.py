@@ -92,10 +92,13 @@ class Imu(
         "rad",
         fault=True,
         display_unit="deg",
-        description="fault: the unit turns about the body axes in its mounting",
+        description="fault F13: the unit turns about the body axes in its mounting",
     )
     gyro_g_sensitivity_change = Input(
-        3, "rad.s/m", fault=True, description="fault: gyros become sensitive to the specific force along their own axes"
+        3,
+        "rad.s/m",
+        fault=True,
+        description="fault F13: gyros become sensitive to the specific force along their own axes",
     )
 
     misalignment = Parameter(

@@ -38,7 +38,7 @@ class RingLaser(Component):
     )
 
     rate = Input(3, "rad/s", display_unit="deg/s", description="true rate with respect to inertial space, body axes")
-    dither_off = Input(kind="boolean", fault=True, description="the rings are not turned to and fro while true")
+    dither_off = Input(kind="boolean", fault=True, description="fault: the rings are not turned to and fro while true")
 
     pulse = Parameter(
         "rad",

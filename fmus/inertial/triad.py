@@ -90,7 +90,7 @@ def triad(sensor: str, plural: str, unit: str, displays: tuple[str, str], grade:
         "range": each("range", "largest reading to both sides; 0: no limit", fast),
         "resolution": each("resolution", "step of the reading, which is rounded; 0: none", fast),
         "scale_factor_change": Input(
-            3, "1", fault=True, description=f"fault: change of the scale factor of the {plural}"
+            3, "1", fault=True, description=f"fault F13: change of the scale factor of the {plural}"
         ),
     }
     declared |= {

@@ -14,7 +14,9 @@ class Vibration:
     The start values are a light aircraft's engine at 2400 rpm with 0.2 g (own choice).
     """
 
-    vibrating = Input(kind="boolean", fault=True, description="fault: the unit is shaken by the vibration_ parameters")
+    vibrating = Input(
+        kind="boolean", fault=True, description="fault F15: the unit is shaken by the vibration_ parameters"
+    )
     vibration_frequency = Parameter("Hz", start=40.0, min=0.0, max=1e4, description="frequency of the vibration")
     vibration_swing_sine = Parameter(
         3,

@@ -56,16 +56,16 @@ class Magnetometer(Component):
     pitch = Input("rad", display_unit="deg", description="true pitch angle")
     heading = Input("rad", display_unit="deg", description="true heading, from true north")
     hard_iron_change = Input(
-        3, "T", display_unit="mG", fault=True, description="fault: change of the hard iron field, body axes"
+        3, "T", display_unit="mG", fault=True, description="fault F16: change of the hard iron field, body axes"
     )
-    soft_iron_change = Input((3, 3), "1", fault=True, description="fault: change of the soft iron, body axes")
-    wire_current = Input("A", fault=True, description="fault: current of the wire, from its begin to its end")
+    soft_iron_change = Input((3, 3), "1", fault=True, description="fault F17: change of the soft iron, body axes")
+    wire_current = Input("A", fault=True, description="fault F16: current of the wire, from its begin to its end")
     anomaly_n = Input(
         3,
         "T",
         display_unit="mG",
         fault=True,
-        description="fault: field of something on the ground, north, east, down; it decays from ground_altitude on",
+        description="fault F18: field of something on the ground, north, east, down; it decays from ground_altitude on",
     )
 
     crustal_level = Parameter(
