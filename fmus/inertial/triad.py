@@ -80,7 +80,9 @@ def triad(sensor: str, plural: str, unit: str, displays: tuple[str, str], grade:
         ),
         "flicker": each("flicker", "bias instability B: the Allan deviation has a floor of 0.664 B"),
         "walk_sigma": each("walk_sigma", "rate random walk: standard deviation of its change in an hour, K sqrt(1 h)"),
-        "bandwidth": parameter("bandwidth", "Hz", min=0.0, description="bandwidth of the sensors' lag; 0: no lag"),
+        "bandwidth": parameter(
+            "bandwidth", "Hz", min=0.0, max=1e6, description="bandwidth of the sensors' lag; 0: no lag"
+        ),
         "lag_order": parameter(
             "lag_order", kind="integer", start=2, min=1, max=2, description="order of the sensors' lag"
         ),
