@@ -1,14 +1,15 @@
 """Logs of PX4 (ULog): which topics hold the samples of a sensor, and in which units.
 
-Fields as the message definitions of PX4 have them; of fields that were renamed the newer name comes first. Times count
-from the start of the log, the same for all sensors.
+That is in ``px4.toml``. Times count from the start of the log, the same for all sensors.
 """
 
 from __future__ import annotations
 
 import contextlib
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,7 @@ from navfmu.errors import NavfmuError, quoted
 from navfmu.files.reading import regular
 from navfmu.recorded.replay.file import File
 
-Fields = dict[str, tuple[tuple[str, str], ...]]  # column -> (field, unit) of the topic, newer names first
-AXES = ("x", "y", "z")
-
-
-def _vector(column: str, field: str, unit: str, names: tuple[str, ...]) -> Fields:
-    return {f"{column}_{axis}": ((field.format(i, axis), unit),) for i, axis in enumerate(names)}
+Fields = dict[str, list[tuple[str, str]]]  # column -> (field, unit) of the topic, newer names first
 
 
 @dataclass(frozen=True)
@@ -35,39 +31,14 @@ class Topic:
     fields: Fields
 
 
-_PRESSURE = Topic("vehicle_air_data", {"static_pressure": (("baro_pressure_pa", "Pa"),)})
-_FIX: Fields = {
-    "latitude": (("latitude_deg", "deg"), ("lat", "1e-7 deg")),
-    "longitude": (("longitude_deg", "deg"), ("lon", "1e-7 deg")),
-    "altitude": (("altitude_ellipsoid_m", "m"), ("alt_ellipsoid", "mm")),
-    "velocity_north": (("vel_n_m_s", "m/s"),),
-    "velocity_east": (("vel_e_m_s", "m/s"),),
-    "velocity_down": (("vel_d_m_s", "m/s"),),
-    "fix_type": (("fix_type", "1"),),
-}
-_AIRSPEED: Fields = {
-    "calibrated_airspeed": (("calibrated_airspeed_m_s", "m/s"), ("indicated_airspeed_m_s", "m/s")),
-    "true_airspeed": (("true_airspeed_m_s", "m/s"),),
-    "temperature": (("air_temperature_celsius", "degC"),),
-}
-TOPICS: dict[str, tuple[tuple[Topic, ...], ...]] = {
-    "imu": (
-        (
-            Topic(
-                "sensor_combined",
-                _vector("rate", "gyro_rad[{0}]", "rad/s", AXES)
-                | _vector("specific_force", "accelerometer_m_s2[{0}]", "m/s2", AXES),
-            ),
-        ),
-    ),
-    "magnetometer": (
-        (Topic("vehicle_magnetometer", _vector("field", "magnetometer_ga[{0}]", "G", AXES)),),
-        (Topic("sensor_mag", _vector("field", "{1}", "G", AXES)),),
-    ),
-    "gps": ((Topic("vehicle_gps_position", _FIX),), (Topic("sensor_gps", _FIX),)),
-    "air_data": ((Topic("airspeed", _AIRSPEED), _PRESSURE), (Topic("airspeed_validated", _AIRSPEED), _PRESSURE)),
-}
-"""By sensor the topics that will do, better ones first; a second one gives its last values when the first comes."""
+@cache
+def topics() -> dict[str, list[list[Topic]]]:
+    """Return by sensor the topics that will do, better ones first, as ``px4.toml`` has them."""
+    told = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    known = {name: Topic(name, told["fields"][fields]) for name, fields in told["topics"].items()}
+    return {sensor: [[known[name] for name in choice] for choice in them] for sensor, them in told["sensors"].items()}
+
+
 FIX = 3
 """Least ``fix_type`` of a position in three dimensions."""
 NO_TEMPERATURE = -300.0
@@ -77,24 +48,25 @@ NO_TEMPERATURE = -300.0
 def read(path: str | Path, sensor: str) -> File:
     """Return the samples of a sensor in a log as a file with the usual columns."""
     path = regular(path, "a log of PX4")
-    if sensor not in TOPICS:
-        raise NavfmuError(f"{path}: what a log of PX4 tells of '{sensor}' is not known; expected {', '.join(TOPICS)}")
+    known = topics()
+    if sensor not in known:
+        raise NavfmuError(f"{path}: what a log of PX4 tells of '{sensor}' is not known; expected {', '.join(known)}")
     try:
         from pyulog import ULog
     except ImportError:
         remedy = "pip install 'navfmu[px4]'"
         raise NavfmuError(f"{path}: logs of PX4 are read with pyulog, which is not installed: {remedy}") from None
-    names = [topic.name for choice in TOPICS[sensor] for topic in choice]
+    names = [topic.name for choice in known[sensor] for topic in choice]
     try:
         with contextlib.redirect_stdout(None):  # pyulog prints what it thinks of the file
             log = ULog(str(path), names)
     except Exception as problem:  # of a file that is none, pyulog raises what comes
         raise NavfmuError(f"{path}: this is no log of PX4 ({quoted(' '.join(str(problem).split()))})") from None
-    for choice in TOPICS[sensor]:
+    for choice in known[sensor]:
         found = [_frame(log, topic) for topic in choice]
         if found[0] is not None:
             return _file(path, found, tuple(_damage(log)))
-    first = dict.fromkeys(choice[0].name for choice in TOPICS[sensor])
+    first = dict.fromkeys(choice[0].name for choice in known[sensor])
     raise NavfmuError(f"{path}: the log has no {' and no '.join(first)}, so nothing of '{sensor}'")
 
 
