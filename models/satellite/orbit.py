@@ -1,0 +1,78 @@
+"""Where a satellite is and how it moves, from what it says of its orbit: IS-GPS-200 table 20-IV.
+
+Frame e is earth-centred, earth-fixed at the time asked for: who receives a signal later must turn it by the angle that
+the earth has turned meanwhile. The position is that of the antenna's phase centre. All functions take parameters of one
+satellite or arrays of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.satellite.gps_time import elapsed
+from models.satellite.kepler import eccentric_anomaly
+
+GRAVITATION = 3.986005e14
+"""mu, m3/s2: the value of WGS-84 that the parameters are fitted with, not the newest one."""
+EARTH_RATE = 7.2921151467e-5
+"""Rate of e with respect to inertial space, rad/s."""
+
+
+def mean_motion(ephemeris):
+    """n = n_0 + Delta n, rad/s, n_0 = sqrt(mu / A^3)."""
+    a = ephemeris.sqrt_a * ephemeris.sqrt_a
+    return np.sqrt(GRAVITATION / (a * a * a)) + ephemeris.mean_motion_difference
+
+
+def anomaly(ephemeris, week, second):
+    """Eccentric anomaly E_k (rad) and its rate (rad/s)."""
+    n = mean_motion(ephemeris)
+    mean = ephemeris.mean_anomaly + n * elapsed(week, second, ephemeris.toe_week, ephemeris.toe)
+    eccentric = eccentric_anomaly(mean, ephemeris.eccentricity)
+    return eccentric, n / (1.0 - ephemeris.eccentricity * np.cos(eccentric))
+
+
+def state(ephemeris, week, second):
+    """Position (m) and velocity (m/s) in e, each (3, ...): table 20-IV, parts 1 to 3.
+
+    Velocity is the derivative of the position with respect to time in the turning frame e.
+    """
+    return state_at(ephemeris, anomaly(ephemeris, week, second), week, second)
+
+
+def state_at(ephemeris, anomaly, week, second):
+    """The same where ``anomaly`` = (E_k, its rate) is known."""
+    o, (eccentric, eccentric_rate) = ephemeris, anomaly
+    t = elapsed(week, second, o.toe_week, o.toe)
+    a, e = o.sqrt_a * o.sqrt_a, o.eccentricity
+    sine, cosine = np.sin(eccentric), np.cos(eccentric)
+    flat = np.sqrt(1.0 - e * e)
+    true_anomaly = np.arctan2(flat * sine, cosine - e)
+    phi = true_anomaly + o.perigee
+    phi_rate = flat * eccentric_rate / (1.0 - e * cosine)
+    s2, c2 = np.sin(2.0 * phi), np.cos(2.0 * phi)
+    # argument of latitude, radius, inclination: second harmonic corrections
+    u = phi + o.cus * s2 + o.cuc * c2
+    r = a * (1.0 - e * cosine) + o.crs * s2 + o.crc * c2
+    i = o.inclination + o.inclination_rate * t + o.cis * s2 + o.cic * c2
+    u_rate = phi_rate * (1.0 + 2.0 * (o.cus * c2 - o.cuc * s2))
+    r_rate = a * e * sine * eccentric_rate + 2.0 * phi_rate * (o.crs * c2 - o.crc * s2)
+    i_rate = o.inclination_rate + 2.0 * phi_rate * (o.cis * c2 - o.cic * s2)
+    # in the plane of the orbit
+    su, cu = np.sin(u), np.cos(u)
+    x, y = r * cu, r * su
+    x_rate, y_rate = r_rate * cu - y * u_rate, r_rate * su + x * u_rate
+    # into e
+    node_rate = o.node_rate - EARTH_RATE
+    node = o.node + node_rate * t - EARTH_RATE * o.toe
+    so, co, si, ci = np.sin(node), np.cos(node), np.sin(i), np.cos(i)
+    across, across_rate = y * ci, y_rate * ci - y * si * i_rate
+    position = np.stack([x * co - across * so, x * so + across * co, y * si])
+    velocity = np.stack(
+        [
+            x_rate * co - across_rate * so - position[1] * node_rate,
+            x_rate * so + across_rate * co + position[0] * node_rate,
+            y_rate * si + y * ci * i_rate,
+        ]
+    )
+    return position, velocity
