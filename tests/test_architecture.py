@@ -23,6 +23,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "system",
     "sabotage",
     "recorded",
+    "navaids",
     "sweep",
     "campaign",
     "testing",

@@ -14,6 +14,7 @@ from navfmu.terminal import interrupt, refusal
 COMMANDS = {  # command -> module, and its line in the list of commands
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
+    "coverage": ("navfmu.cli.coverage", "Show how many stations are heard, and how they cross."),
     "faults": ("navfmu.cli.faults", "Show what in a system can fail, and how."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
@@ -22,6 +23,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "run": ("navfmu.cli.run", "Run a system once."),
     "sabotage": ("navfmu.cli.sabotage", "Build faults into a system, for masters that know no faults."),
     "schema": ("navfmu.cli.schema", "Print the JSON schema of a campaign, fault or report file, for editors."),
+    "stations": ("navfmu.cli.stations", "Choose stations of a navaid file for an FMU."),
     "sweep": ("navfmu.cli.sweep", "Run a system at several step sizes, and compare."),
     "table": ("navfmu.cli.table", "Show and replace the tables that an FMU carries."),
     "track": ("navfmu.cli.track", "Make an FMU from a recorded track."),

@@ -1,0 +1,50 @@
+"""What commands that look at stations share: a place, heights and a track as they are told."""
+
+from __future__ import annotations
+
+import math
+
+FARTHEST = 400.0
+"""nmi; no transponder is heard from farther."""
+
+
+def place(near):
+    """Latitude and longitude in rad of ``--near``, checked."""
+    from navfmu.errors import NavfmuError
+
+    latitude, longitude = near
+    if not -89.0 <= latitude <= 89.0 or not -180.0 <= longitude <= 180.0:
+        raise NavfmuError(
+            f"--near is {latitude:g} {longitude:g}; expected degrees, latitude of -89 to 89, longitude of -180 to 180"
+        )
+    return math.radians(latitude), math.radians(longitude)
+
+
+def within(value, least, largest, option, unit):
+    """A number of an option, or a sentence what it may be."""
+    from navfmu.errors import NavfmuError
+
+    if not least <= value <= largest:
+        raise NavfmuError(f"{option} is {value:g} {unit}; expected {least:g} to {largest:g}")
+    return value
+
+
+def along(track, ground):
+    """The points of a recorded track."""
+    from navfmu.navaids.coverage import Points
+    from navfmu.recorded.track import read
+
+    flown = read(track)
+    return Points(flown.latitude, flown.longitude, flown.altitude, ground, time=flown.time)
+
+
+def reachable(stations, points):
+    """Those of the stations that are near enough to a point to be heard anywhere."""
+    import numpy as np
+
+    from navfmu.navaids.station import NAUTICAL_MILE, distance
+
+    middle = len(points.latitude) // 2
+    here = float(points.latitude[middle]), float(points.longitude[middle])
+    spread = float(np.max(distance(*here, points.latitude, points.longitude)))
+    return stations.within(*here, spread + FARTHEST * NAUTICAL_MILE)

@@ -1,0 +1,82 @@
+"""Stations in files of X-Plane's layout, ``nav.dat`` and ``earth_nav.dat``, versions 810, 1100 and 1150.
+
+A line "I" or "A", a line that begins with the version, rows that begin with a code, and the row 99 at the end. Rows 12
+(beside a VOR or ILS) and 13 (alone) are transponders:
+
+    12  latitude longitude elevation frequency range bias ident [terminal region] name ...
+
+in degrees, feet, MHz times 100 and nautical miles; terminal and region from version 1100 on (X-Plane's specifications
+XP NAV810 and XP NAV1100). Other rows are not used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from navfmu.errors import NavfmuError, quoted
+from navfmu.navaids.station import Station, station
+
+VERSIONS = {810: 0, 1100: 2, 1150: 2}
+"""Version -> how many words stand between ident and name."""
+TRANSPONDERS = ("12", "13")
+END = "99"
+NUMBERS = ("latitude", "longitude", "elevation", "frequency", "range", "bias")
+SCALE = {"frequency": 0.01}
+
+
+def is_nav_dat(text: str) -> bool:
+    """Whether a file begins as these do."""
+    return text[:200].split("\n", 1)[0].strip() in ("I", "A")
+
+
+def read(text: str, source: str) -> Iterator[Station]:
+    """The transponders of a file; ``source`` names it in sentences."""
+    lines = text.splitlines()
+    between = VERSIONS[_version(lines, source)]
+    for number, line in enumerate(lines[2:], 3):
+        words = line.split()
+        if not words:
+            continue
+        if words[0] == END:
+            return
+        if not words[0].isascii() or not words[0].isdigit():
+            raise NavfmuError(
+                f"{source}, line {number}: begins with '{quoted(words[0])}'; expected the code of a row, such as 12"
+            )
+        if words[0] in TRANSPONDERS:
+            yield _transponder(words, between, f"{source}, line {number}", number)
+    raise NavfmuError(f"{source}: ends at line {len(lines)} without the row {END}: something of it is missing")
+
+
+def _version(lines: list[str], source: str) -> int:
+    first = lines[1].split()[:1] if len(lines) > 1 else []
+    known = " or ".join(map(str, VERSIONS))
+    if not first or not first[0].isdigit() or int(first[0]) not in VERSIONS:
+        found = f"is '{quoted(first[0])}'" if first else "is missing"
+        raise NavfmuError(f"{source}, line 2: the version of the file {found}; expected {known}")
+    return int(first[0])
+
+
+def _transponder(words: list[str], between: int, where: str, line: int) -> Station:
+    needed = len(NUMBERS) + 2 + between
+    if len(words) < needed:
+        raise NavfmuError(
+            f"{where}: the row has {len(words)} words; expected at least {needed}: "
+            f"12 or 13, {', '.join(NUMBERS)}, ident{', terminal, region' if between else ''}"
+        )
+    numbers = {
+        name: _number(word, name, where) * SCALE.get(name, 1.0) for name, word in zip(NUMBERS, words[1:7], strict=True)
+    }
+    return station(words[7], " ".join(words[8 + between :]), numbers, where, line)
+
+
+def _number(word: str, name: str, where: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value) or "_" in word:
+        raise NavfmuError(f"{where}: the {name} is '{quoted(word)}'; expected a number")
+    return value

@@ -1,0 +1,107 @@
+"""A picture of coverage: of a grid a map for each height, of a track its course, and both along time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+
+from navfmu.navaids.coverage import Coverage
+from navfmu.navaids.station import FOOT, NAUTICAL_MILE, Station, plane
+from navfmu.report.figure import COLOURS, GREY, figure, png
+
+COUNTS = ("#ffffff", "#f2f2f2", "#fdd0a2", "#c6dbef", "#6baed6", "#2171b5")
+"""None, one, two, three, four, five and more."""
+DILUTIONS = (0.5, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
+
+
+def draw(coverage: Coverage, title: str) -> bytes:
+    """The picture as PNG."""
+    return _map(coverage, title) if coverage.points.shape else _along(coverage, title)
+
+
+def _map(coverage: Coverage, title: str) -> bytes:
+    layers = coverage.layers()
+    sides = coverage.points.sides / NAUTICAL_MILE
+    size = 4.6
+    with figure(len(layers), 2, (11.6, size * len(layers) + 0.4), below=0.1, above=0.45, squeeze=False) as (d, axes):
+        for (height, count, hdop), row in zip(layers, axes, strict=True):
+            text = f"{height / FOOT:,.0f} ft above the ground"
+            for axis, what in zip(row, (counts, dilutions), strict=True):
+                what(d, axis, sides, count if what is counts else hdop)
+                axis.set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
+                axis.set_title(f"{'Stations' if what is counts else 'HDOP'}, {text}", fontsize=10)
+                _mark(axis, coverage, sides[-1])
+        d.suptitle(title, x=0.01, ha="left", fontsize=11)
+        return png(d, dpi=90)
+
+
+def counts(drawing: Any, axis: Any, sides: np.ndarray, count: np.ndarray) -> None:
+    """Fill a map with how many stations are heard, and draw its scale."""
+    found = axis.pcolormesh(sides, sides, np.minimum(count, 5), **_colours(), rasterized=True)
+    axis.grid(False)
+    _scale(drawing, axis, found)
+
+
+def _colours() -> dict[str, Any]:
+    return {"cmap": ListedColormap(COUNTS), "norm": BoundaryNorm(np.arange(-0.5, 6.0), len(COUNTS))}
+
+
+def _scale(drawing: Any, axis: Any, found: Any) -> None:
+    drawing.colorbar(found, ax=axis, shrink=0.85, ticks=range(6)).ax.set_yticklabels([*"01234", "5 and more"])
+
+
+def dilutions(drawing: Any, axis: Any, sides: np.ndarray, hdop: np.ndarray) -> None:
+    """Fill a map with the dilution, white where circles do not cross, and draw its scale."""
+    levels = BoundaryNorm(DILUTIONS, 256, extend="max")
+    shown = np.where(np.isfinite(hdop), hdop, np.nan)
+    found = axis.pcolormesh(sides, sides, shown, cmap="viridis_r", norm=levels, rasterized=True)
+    axis.grid(False)
+    drawing.colorbar(found, ax=axis, shrink=0.85)
+
+
+def _mark(axis: Any, coverage: Coverage, side: float) -> None:
+    points = coverage.points
+    middle = points.sides.size // 2 * (points.sides.size + 1)
+    named: list[tuple[float, float]] = []
+    for one in coverage.stations:
+        x, y = (metres / NAUTICAL_MILE for metres in plane(one, points.latitude[middle], points.longitude[middle]))
+        if max(abs(x), abs(y)) < side:
+            close = any(abs(x - a) < 0.1 * side and abs(y - b) < 0.05 * side for a, b in named)
+            _station(axis, one, x, y, not close)
+            named.append((x, y))
+
+
+def _station(axis: Any, one: Station, x: float, y: float, named: bool = True) -> None:
+    axis.plot(x, y, "^", color=COLOURS[1], ms=4, mec="white", mew=0.4)
+    if named:
+        axis.annotate(one.ident, (x, y), xytext=(2, 2), textcoords="offset points", fontsize=6, clip_on=True)
+
+
+def _along(coverage: Coverage, title: str) -> bytes:
+    points = coverage.points
+    minutes = (points.time - points.time[0]) / 60.0
+    with figure(1, 3, (14.0, 4.4), above=0.4) as (drawing, (course, count, hdop)):
+        lat, lon = np.degrees(points.latitude), np.degrees(points.longitude)
+        course.plot(lon, lat, color=GREY, lw=0.3)
+        shown = course.scatter(lon, lat, 5, np.minimum(coverage.count, 5), **_colours())
+        _scale(drawing, course, shown)
+        for one, share in zip(coverage.stations, coverage.share, strict=True):
+            if share > 0.0:
+                _station(course, one, float(np.degrees(one.longitude)), float(np.degrees(one.latitude)))
+        course.set(xlabel="longitude, deg", ylabel="latitude, deg", aspect=1.0 / np.cos(np.mean(points.latitude)))
+        count.step(minutes, coverage.count, where="post", color=COLOURS[0], lw=0.8)
+        count.set(xlabel="time, min", ylabel="stations that are heard", yticks=range(int(np.max(coverage.count)) + 1))
+        height = count.twinx()
+        height.plot(minutes, points.altitude / FOOT, color=GREY, lw=0.7)
+        height.set_ylabel("altitude, ft (grey)")
+        height.grid(False)
+        crossing = np.where(np.isfinite(coverage.hdop), coverage.hdop, np.nan)
+        hdop.semilogy(minutes, np.minimum(crossing, 100.0), color=COLOURS[0], lw=0.8)
+        hdop.set(xlabel="time, min", ylabel="HDOP (a gap: circles do not cross)", ylim=(0.5, 100.0))
+        hdop.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
+        hdop.minorticks_off()
+        drawing.suptitle(title, x=0.01, ha="left", fontsize=11)
+        drawing.subplots_adjust(wspace=0.45)
+        return png(drawing, dpi=90)
