@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.radio import stations
+from fmus.radio import grades, stations
 from models.processes import gauss_markov
-from models.radio import dme
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
+from models.processes.known import known
+from models.radio import dme, interrogator, schedule, sight, transponder
+from navfmu.export import Bundle, Component, Example, Grid, Input, Output, Parameter, State, every, require, start
 
 PLACES = stations.PLACES
+_ROUND = np.array([0.0, 2.0 * np.pi])
 
 
 class Dme(stations.StationTable, Component):
@@ -36,12 +38,29 @@ class Dme(stations.StationTable, Component):
 
     A range is reported at the end of its ranging second and its time of validity is that moment. At each time a
     measurement is due the bundle is published, with `measured` saying which stations gave one; `valid` is false when
-    none did. A station answers while it is nearer than `station_range`, above the radio horizon (4/3 earth, smooth, no
-    terrain) and not switched off (`station_off`).
+    none did.
 
-    Not modelled: garbling and the saturation of transponders by other aircraft (the schedule exists to avoid it),
-    DME-P.
+    Which stations take turns, by `selection`: all of them, the `pair`, or the pair in reach whose lines cross nearest
+    to a right angle, from `least_inclusion` on. It is chosen anew after each `interval`; stations nearer than
+    `nearest` or higher above the station's level than `highest_elevation` are left out.
+
+    Interrogator (section 2.5.5). A receiver that is tuned to a station searches, with 135 pulse pairs a second, until
+    it has had replies for `lock_in`, and then tracks with 25; a scanning one divides them among its stations. It has
+    replies while at least `least_replies` of its interrogations are answered, and where it looks for them: what jumps
+    by more than `gate` is lost and searched for. Where replies fail it waits for `memory_time`, showing the last range,
+    before it searches.
+
+    Transponder. It answers after 50 us while it is nearer than `station_range`, above the radio horizon (4/3 earth)
+    and the `terrain`, on the air, and while its delay is less than `monitor_limit` wrong. It hears
+    1 / (1 + rate `dead_time`) of what it and the other aircraft (`traffic`) ask, and gives `capacity` replies at most.
+
+    With `receiver_share` that part of the variance of dR_b is the receiver's and common to all stations. The
+    constant dR_0 of (3.38) is calibrated to 0 in the thesis; `receiver_offset` and `station_offset_sigma` leave some.
+
+    Not modelled: the pulses themselves, garbling, and that a transponder in need answers the stronger ones.
     """
+
+    parameter_sets = grades.DME
 
     example = Example(
         text="Level flight to the west at 90 kn with one receiver. It measures the two stations in turn, one every "
@@ -63,8 +82,32 @@ class Dme(stations.StationTable, Component):
         display_unit="kn",
         description="true velocity over ground: north, east, down; sets the correlation time",
     )
+    traffic = Input(PLACES, "1", description="other aircraft that use each transponder (100 are its capacity)")
     station_off = Input(
         PLACES, kind="boolean", fault=True, description="fault: this transponder is off the air and does not answer"
+    )
+    replies_lost = Input(
+        PLACES, "1", fault=True, description="fault: share of the replies of each station that is lost, 0 to 1"
+    )
+    wrong_station = Input(
+        PLACES,
+        kind="boolean",
+        fault=True,
+        description="fault: another station of the same channel, that at other_latitude, is heard instead of this one",
+    )
+    echo = Input(
+        PLACES,
+        "m",
+        display_unit="nmi",
+        fault=True,
+        description="fault: replies come by a reflected path, longer by this, the direct one being hidden",
+    )
+    delay_change = Input(PLACES, "s", fault=True, description="fault: error of the 50 us delay of each transponder")
+    delay_drift = Input(
+        PLACES,
+        "1",
+        fault=True,
+        description="fault: rate in s/s at which the delay of each transponder runs away while this is not 0",
     )
 
     mode = Parameter(
@@ -85,6 +128,66 @@ class Dme(stations.StationTable, Component):
     antenna_height = Parameter(
         "m", start=10.0, min=0.0, max=500.0, description="height of the transponders' antennas, for the radio horizon"
     )
+    terrain = Grid(
+        axes=(("station", "1", np.arange(1.0, PLACES + 1.0)), ("azimuth", "rad", _ROUND)),
+        surfaces=(("mask", "rad", np.full((PLACES, 2), -0.5 * np.pi)),),
+    )
+    other_latitude = Parameter(
+        "rad",
+        start=np.radians(37.2),
+        min=-np.pi / 2,
+        max=np.pi / 2,
+        display_unit="deg",
+        description="latitude of another station of the same channel, for wrong_station (hypothetical)",
+    )
+    other_longitude = Parameter(
+        "rad",
+        start=np.radians(-120.9),
+        min=-np.pi,
+        max=np.pi,
+        display_unit="deg",
+        description="longitude of that station",
+    )
+    other_altitude = Parameter(
+        "m", start=30.0, min=-1000.0, max=10000.0, display_unit="ft", description="height of that station"
+    )
+    selection = Parameter(
+        items=("all", "pair", "inclusion_angle"),
+        kind="enumeration",
+        description="which stations take turns: all, the pair, or the pair that crosses best where the aircraft is",
+    )
+    pair = Parameter(
+        2, kind="integer", start=(1, 2), min=1, max=PLACES, description="places of the two stations of a fixed pair"
+    )
+    least_inclusion = Parameter(
+        "rad",
+        start=np.radians(30.0),
+        min=0.0,
+        max=np.pi / 2,
+        display_unit="deg",
+        description="least angle between the lines to two stations, and to 180 deg (FAA AC 90-100A: 30 to 150 deg)",
+    )
+    nearest = Parameter(
+        "m",
+        start=0.0,
+        min=0.0,
+        display_unit="nmi",
+        description="stations nearer than this are not used (RNAV practice: 3 nmi)",
+    )
+    highest_elevation = Parameter(
+        "rad",
+        start=np.pi / 2,
+        min=0.0,
+        max=np.pi / 2,
+        display_unit="deg",
+        description="aircraft higher above the level of a station than this does not use it (RNAV practice: 40 deg)",
+    )
+    retry_time = Parameter(
+        "s",
+        start=60.0,
+        min=0.0,
+        description="how long a station that did not answer is not selected by inclusion angle (own choice)",
+    )
     interval = Parameter(
         "s",
         start=15.0,
@@ -104,6 +207,78 @@ class Dme(stations.StationTable, Component):
         min=0.01,
         max=60.0,
         description="time step of the receiver; period of mode 3 (thesis section 7.3)",
+    )
+    memory_time = Parameter(
+        "s",
+        start=0.0,
+        min=0.0,
+        max=120.0,
+        description="how long the last range is shown when replies fail after lock-in; receivers have up to some 10 s",
+    )
+    gate = Parameter(
+        "m",
+        start=0.5 * dme.NAUTICAL_MILE,
+        min=1.0,
+        display_unit="nmi",
+        description="replies that jump by more than this, and 1000 kn, are lost and searched for (own choice)",
+    )
+    least_replies = Parameter(
+        "1", start=0.5, min=0.0, max=1.0, description="least share of replies with which lock is kept (own choice)"
+    )
+    reply_efficiency = Parameter(
+        PLACES, "1", start=1.0, min=0.0, max=1.0, description="share that each transponder answers of what it hears"
+    )
+    capacity = Parameter(
+        PLACES,
+        "Hz",
+        start=transponder.CAPACITY,
+        min=1.0,
+        description="pulse pairs a second that each transponder can give (thesis section 2.5.5: 3000)",
+    )
+    dead_time = Parameter(
+        "s",
+        start=transponder.DEAD_TIME,
+        min=0.0,
+        max=1e-3,
+        description="time for which a transponder is deaf after what it has heard: 60 us",
+    )
+    searching_share = Parameter(
+        "1",
+        start=transponder.SEARCHING_SHARE,
+        min=0.0,
+        max=1.0,
+        description="share of the other aircraft that search (thesis section 2.5.5: 5 of 100)",
+    )
+    monitor_limit = Parameter(
+        "s",
+        start=transponder.MONITOR_LIMIT,
+        min=0.0,
+        max=1.0,
+        description="error of the delay from which on its monitor takes a station off the air (ICAO Annex 10: 1 us)",
+    )
+    precise = Parameter(
+        PLACES,
+        kind="boolean",
+        start=False,
+        description="station and receiver are DME/P: within 7 nmi dR_b is (30 m + 11 m a nmi) / 2 over 0.17 nmi of it",
+    )
+    receiver_share = Parameter(
+        "1",
+        start=0.0,
+        min=0.0,
+        max=1.0,
+        description="share of the variance of dR_b that is the receiver's, common to all stations (thesis p. 72: more "
+        "likely its cause); ICAO Annex 10 gives it 315 m of 370 m, 0.72",
+    )
+    receiver_offset = Parameter(
+        "m", start=0.0, display_unit="nmi", description="constant part of dR_0 (3.38) that is the receiver's"
+    )
+    station_offset_sigma = Parameter(
+        "m",
+        start=0.0,
+        min=0.0,
+        display_unit="nmi",
+        description="standard deviation of each station's constant part of dR_0 (3.38), drawn at start",
     )
     bias_sigma = Parameter(
         "m",
@@ -136,43 +311,130 @@ class Dme(stations.StationTable, Component):
         measured=Output(PLACES, kind="boolean", description="whether this range was measured at the time of validity"),
         description="DME ranges",
     )
+    phase = Output(PLACES, items=interrogator.Phase, kind="enumeration", description="what is done about each station")
+    interrogation_rate = Output(PLACES, "Hz", description="pulse pairs a second with which each station is asked")
+    answered_share = Output(PLACES, "1", description="share of interrogations that each station answers")
+
     bias = State(PLACES, "m", description="time-varying bias dR_b of each station (3.38)")
+    station_bias = State(PLACES, "m", description="process of each station, of bias_sigma")
+    receiver_bias = State("m", description="process of the receiver, of bias_sigma")
+    offset = State(PLACES, "m", description="constant bias dR_0 of each station (3.38)")
+    delay_drifted = State(PLACES, "s", description="what delay_drift has come to")
+    selected = State(PLACES, kind="boolean", description="stations that take turns")
+    rest = State(PLACES, "s", description="for how long each station is not selected because it did not answer")
     tracking = State(PLACES, "s", description="how long each station has been asked and has answered without a break")
+    searching = State(PLACES, "s", description="how long each station has been searched for")
+    silent = State(PLACES, "s", description="since when each station has not answered")
+    followed = State(PLACES, "m", description="distance at which replies were last followed")
+    held = State(PLACES, "m", description="last reading of each station, for its memory")
 
     @require("interval {interval} s is shorter than lock_in {lock_in} s plus ranging_time {ranging_time} s")
     def interval_is_long_enough(self):
         return np.logical_or(self.mode == 3, self.interval >= self.lock_in + self.ranging_time)
 
+    @require("pair does not name two different places, from 1 to station_count {station_count}")
+    def pair_is_there(self):
+        there = np.all(self.pair <= self.station_count) & (self.pair[0] != self.pair[1])
+        return (self.selection != 2) | there
+
+    @require("terrain does not reach around: expected azimuths from 0 to 2 pi rad and stations from 1 to 5")
+    def terrain_reaches_around(self):
+        stations, azimuths = self.terrain.around(station=np.array([1.0, PLACES]), azimuth=_ROUND).ends
+        around = (azimuths[0, 0] <= 0.0) & (azimuths[1, 1] >= 2.0 * np.pi - 1e-6)
+        return around & (stations[0, 0] <= 1.0) & (stations[1, 1] >= PLACES)
+
     @start
     def draw_biases(self, noise):
-        self.bias = gauss_markov.stationary(self.bias_sigma, noise(PLACES))
+        self.station_bias = gauss_markov.stationary(self.bias_sigma, noise(PLACES))
+        self.receiver_bias = gauss_markov.stationary(self.bias_sigma, noise(1)[0])
+        self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
+        self.offset = self.receiver_offset + self.station_offset_sigma * noise(PLACES)
 
     @every("bias_period")
     def advance_biases(self, noise):
-        tau = dme.correlation_time(self.velocity_n, self.lowest_speed, self.correlation_distance)
+        tau = dme.correlation_time(known(self.velocity_n, 0.0), self.lowest_speed, self.correlation_distance)
         phi = gauss_markov.decay(self.period, tau)
         driving = gauss_markov.drive(self.bias_sigma, phi)
-        self.bias = gauss_markov.advance(self.bias, phi, driving, noise(PLACES))
+        self.station_bias = gauss_markov.advance(self.station_bias, phi, driving, noise(PLACES))
+        self.receiver_bias = gauss_markov.advance(self.receiver_bias, phi, driving, noise(1)[0])
+        self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
+
+    def visible(self, north, east, up, distance):
+        """Stations that are not behind terrain, seen from them at north, east, up, m."""
+        places = np.arange(1.0, PLACES + 1.0)
+        mask = self.terrain.around(station=places, azimuth=sight.azimuth(north, east)).bilinear()[:, 0]
+        return sight.apparent(sight.elevation(north, east, up), distance) >= mask
+
+    def select(self, line, inside, admitted):
+        """Stations that take turns from now on; ``line`` from each to the aircraft in e."""
+        places = np.arange(PLACES)
+        in_pair = (places == self.pair[0] - 1) | (places == self.pair[1] - 1)
+        north, east, _ = sight.in_n(self.latitude, self.longitude, line)
+        usable = admitted & inside & (self.rest <= 0.0)
+        best = schedule.best_pair(north, east, usable, self.least_inclusion)
+        chosen = np.where(self.selection == 1, admitted, np.where(self.selection == 2, admitted & in_pair, best))
+        due_before = schedule.due_now(self.time - self.period, self.period, self.interval)
+        return np.where(due_before | ~np.any(self.selected), chosen, self.selected)
 
     @every("ranging_period")
     def receive(self, noise):
         dwell = self.lock_in + self.ranging_time
-        asked, due = dme.asked(self.time, self.period, self.mode, self.interval, dwell, self.station_count)
-        true_range = dme.slant_range(
-            self.latitude,
-            self.longitude,
-            self.altitude,
-            self.station_latitude,
-            self.station_longitude,
-            self.station_altitude,
-        )
+        here = (self.latitude, self.longitude, self.altitude)
+        line = dme.line_of_sight(*here, self.station_latitude, self.station_longitude, self.station_altitude)
+        true_range = np.sqrt(np.sum(line * line, axis=0))
         reach = np.minimum(dme.horizon(self.altitude, self.station_altitude, self.antenna_height), self.station_range)
-        answered = asked & (true_range <= reach) & np.logical_not(self.station_off)
-        self.tracking = dme.tracking_time(self.tracking, answered, self.period)
-        measured = due & (self.tracking >= dwell - 1.0e-6)
-        reading = dme.measure(true_range, self.bias, self.noise_sigma, noise(PLACES))
+        north, east, up = sight.in_n(self.station_latitude, self.station_longitude, line)
+        inside = (true_range <= reach) & self.visible(north, east, up, true_range)
+
+        # whom to ask
+        not_above = sight.elevation(north, east, up) <= self.highest_elevation
+        admitted = (np.arange(PLACES) < self.station_count) & not_above & (true_range >= self.nearest)
+        self.selected = self.select(line, inside, admitted)
+        asked, due = schedule.asked(self.time, self.period, self.mode, self.interval, dwell, self.selected)
+        rate = interrogator.rate(asked, self.tracking, self.searching, self.lock_in)
+        among = np.where(self.mode == 3, np.maximum(np.sum(np.where(asked, 1.0, 0.0)), 1.0), 1.0)
+        self.interrogation_rate = rate / among
+
+        # who answers, and with what delay
+        others = (np.array([x]) for x in (self.other_latitude, self.other_longitude, self.other_altitude))
+        other_range = dme.slant_range(*here, *others)
+        other_reach = dme.horizon(self.altitude, self.other_altitude, self.antenna_height)
+        distance = np.where(self.wrong_station, other_range, true_range)
+        self.delay_drifted = transponder.drifted(self.delay_drifted, known(self.delay_drift, 0.0), self.period)
+        delay = self.delay_change + self.delay_drifted
+        off = self.station_off | (np.abs(delay) >= self.monitor_limit)
+        heard = np.where(self.wrong_station, other_range <= other_reach, inside) & ~off
+        load = transponder.load(self.traffic, self.searching_share) + self.interrogation_rate
+        share = transponder.efficiency(load, self.capacity, self.dead_time) * self.reply_efficiency
+        share = share * np.clip(1.0 - self.replies_lost, 0.0, 1.0)
+        self.answered_share = known(np.where(heard, share, 0.0), 0.0)
+
+        # what the receiver makes of it
+        normal, replies = noise(PLACES), noise(PLACES)
+        path = distance + transponder.range_of(delay) + self.echo
+        gated = interrogator.in_gate(path, self.followed, self.gate, self.silent + self.period)
+        replied = interrogator.replied(self.answered_share, self.interrogation_rate * self.period, replies)
+        enough = (replied >= self.least_replies) & (self.answered_share > 0.0)
+        answered = asked & enough & np.isfinite(path) & (gated | (self.tracking <= 0.0))
+        self.silent = np.where(answered, 0.0, self.silent + self.period)
+        waiting = ~answered & interrogator.remembered(asked, self.tracking, self.silent, self.lock_in, self.memory_time)
+        self.tracking = interrogator.tracking_time(self.tracking, answered | waiting, self.period)
+        self.phase = interrogator.phase(asked, self.tracking, waiting, self.lock_in)
+        self.searching = np.where(self.phase == interrogator.Phase.SEARCH, self.searching + self.period, 0.0)
+        self.followed = np.where(answered, path, self.followed)
+
+        measured = due & admitted & (self.tracking >= dwell - 1.0e-6)
+        self.rest = np.where(
+            due & ~measured & (self.searching >= dwell - 1.0e-6),
+            self.retry_time,
+            np.maximum(self.rest - self.period, 0.0),
+        )
+        precise = self.precise & (true_range < transponder.PRECISE_RANGE)
+        finer = np.where(precise, transponder.precise_sigma(true_range) / dme.BIAS_SIGMA, 1.0)
+        reading = dme.measure(path + self.offset, self.bias * finer, self.noise_sigma, normal)
+        self.held = np.where(answered, reading, self.held)
         self.ranging.publish(
-            slant_range=np.where(measured, reading, self.ranging.slant_range),
+            slant_range=np.where(measured, self.held, self.ranging.slant_range),
             measured=measured,
             valid=np.any(measured),
             when=np.any(due),

@@ -1,7 +1,7 @@
-"""Distance measuring equipment: slant range, coverage, schedule of measurements and errors.
+"""Distance measuring equipment: slant range, coverage and errors.
 
-Thesis section 2.5.5 (how DME works and how often a station may be asked, Fig 2.10), 3.9 (errors, (3.38)), 6.4.3 (range
-equations). Stations are arrays over their number; latitude and longitude in rad, altitude above the ellipsoid in m.
+Thesis section 2.5.5 (how DME works), 3.9 (errors, (3.38)), 6.4.3 (range equations). Stations are arrays over their
+number; latitude and longitude in rad, altitude above the ellipsoid in m.
 """
 
 from __future__ import annotations
@@ -56,57 +56,18 @@ def correlation_time(velocity_n, lowest_speed, distance=CORRELATION_DISTANCE):
     return distance / np.maximum(speed, lowest_speed)
 
 
+def shared(station, receiver, share):
+    """Bias of each station, of which the ``share`` of the variance is the receiver's and common to all of them.
+
+    Thesis p. 72: a station checks itself, so the oscillator of the receiver is the likelier cause.
+    """
+    return np.sqrt(1.0 - share) * station + np.sqrt(share) * receiver
+
+
 def measure(true_range, bias, noise_sigma, normal):
     """Range shown by the receiver: R + dR_b + dR_w, thesis (3.38). (The thesis defines the error as R minus the
     reading; both errors are symmetric.) The constant part dR_0 is calibrated to 0 there."""
     return true_range + bias + noise_sigma * normal
-
-
-def slot(time, interval):
-    """Number of measurements due by ``time`` (s) where one is due every ``interval`` s; 1e-9 guards whole multiples."""
-    return np.floor(time / interval + 1.0e-9)
-
-
-def asked(time, period, mode, interval, dwell, stations):
-    """Which stations are being interrogated, and which are due to be measured now, thesis Fig 2.10 and section 7.2.2.
-
-    Parameters
-    ----------
-    time, period
-        Now and the receiver's time step, s.
-    mode
-        1: one receiver, a measurement every ``interval``, stations in turn. 2: two receivers, two stations measured
-        every ``interval`` at the same time, pairs in turn. 3: scanning receiver, all measured every step.
-    interval
-        Time between measurements, s; 15 s keep the load of a transponder at that of continuous tracking.
-    dwell
-        How long before a measurement the receiver is tuned to the station (lock-in plus ranging), s.
-    stations
-        Number of stations in use, of which the first ``stations`` of the five places.
-
-    Returns
-    -------
-    interrogated, due
-        Truth values, shape (5,).
-    """
-    number = np.arange(5)
-    known = number < stations
-    due_now = slot(time, interval) > slot(time - period, interval)
-    # the coming measurement, which may be this one
-    coming = np.where(due_now, slot(time, interval), slot(time, interval) + 1.0)
-    tuned = coming * interval - time < dwell - 1.0e-9
-    receivers = np.where(mode == 2, 2.0, 1.0)
-    place = number - receivers * (coming - 1.0)
-    mine = place - stations * np.floor(place / stations + 1.0e-9) < receivers - 0.5
-    scanning = mode == 3
-    interrogated = known & np.where(scanning, True, np.logical_and(mine, tuned))
-    due = known & np.where(scanning, True, np.logical_and(mine, due_now))
-    return interrogated, due
-
-
-def tracking_time(before, answered, period):
-    """How long each station has been interrogated and has answered without a break, s."""
-    return np.where(answered, before + period, 0.0)
 
 
 def dilution(north, east, used):

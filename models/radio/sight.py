@@ -1,0 +1,41 @@
+"""How an aircraft is seen from a station: distance, elevation and azimuth, and what terrain hides.
+
+Vectors from each station to the aircraft are given in e, m, shape (3, stations): ``dme.line_of_sight``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.radio.dme import RADIO_EARTH_RADIUS
+
+EARTH_RADIUS = 0.75 * RADIO_EARTH_RADIUS
+
+
+def in_n(latitude, longitude, vectors):
+    """North, east and up components of ``vectors`` (in e) at a place or at a place for each, arrays of their number."""
+    sin_lat, cos_lat, sin_lon, cos_lon = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
+    outward = cos_lon * vectors[0] + sin_lon * vectors[1]
+    north = cos_lat * vectors[2] - sin_lat * outward
+    east = cos_lon * vectors[1] - sin_lon * vectors[0]
+    return north, east, cos_lat * outward + sin_lat * vectors[2]
+
+
+def elevation(north, east, up):
+    """Angle above the level of the station, rad."""
+    return np.arctan2(up, np.sqrt(north * north + east * east))
+
+
+def azimuth(north, east):
+    """Direction from north over east, 0 to 2 pi, rad."""
+    angle = np.arctan2(east, north)
+    return np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
+
+
+def apparent(angle, distance):
+    """Elevation in rad at which rays that are bent as over an earth of 4/3 radius arrive from ``distance``, m.
+
+    Over a sphere of radius R an aircraft at height h is h / d - d / (2 R) above the level; so rays arrive higher by
+    d (1 / R - 3 / (4 R)) / 2.
+    """
+    return angle + distance * (1.0 / EARTH_RADIUS - 1.0 / RADIO_EARTH_RADIUS) / 2.0

@@ -1,0 +1,85 @@
+"""DME transponders: delay, load, replies, and the rates of thesis section 2.5.5."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from models.radio import interrogator, transponder
+
+
+def test_a_radar_mile_and_the_50_us():
+    """12.36 us to and fro over a nautical mile, the figure of every handbook; catches the one-way time."""
+    assert transponder.round_trip(1852.0, 0.0) == pytest.approx(12.36e-6, abs=0.005e-6)
+    assert transponder.range_of(transponder.round_trip(30e3) - 50e-6) == pytest.approx(30e3)
+    assert transponder.range_of(1e-6) / 1852.0 == pytest.approx(0.081, abs=0.0005)
+
+
+def test_a_hundred_aircraft_are_the_capacity():
+    """95 that track and 5 that search, thesis section 2.5.5: 3050 pulse pairs of 3000."""
+    assert transponder.load(100.0) == pytest.approx(95 * 25 + 5 * 135)
+    assert transponder.load(98.0) < transponder.CAPACITY < transponder.load(99.0)
+
+
+def answered(rate, seed, stop=200.0, dead=60e-6, capacity=3000.0):
+    """Share of Poisson interrogations that are answered, pulse by pulse; replies over 0.1 s are limited."""
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.exponential(1.0 / rate, int(1.1 * rate * stop)))
+    times = times[times < stop]
+    deaf, replies, window, given = -1.0, 0, -1, 0
+    for t in times:
+        if t < deaf:
+            continue
+        deaf = t + dead
+        if int(10.0 * t) != window:
+            window, given = int(10.0 * t), 0
+        if given < 0.1 * capacity:
+            given += 1
+            replies += 1
+    return replies / len(times), len(times)
+
+
+@pytest.mark.parametrize("rate", [500.0, 1500.0, 2500.0, 5000.0, 8000.0])
+def test_replies_are_those_of_a_transponder_that_is_played_pulse_by_pulse(rate):
+    """Poisson arrivals: 5 standard errors of a share of so many (dead time makes it less). Away from the corner, where
+    windows of 0.1 s with more and less than the capacity would be averaged. Catches exp(-rate dead), and a sum of both
+    losses."""
+    share, count = answered(rate, 1)
+    expected = transponder.efficiency(rate)
+    assert abs(share - expected) < 5.0 * np.sqrt(expected * (1.0 - expected) / count) + 2e-4
+
+
+def test_both_limits():
+    assert transponder.efficiency(0.0) == 1.0
+    assert transponder.efficiency(6000.0) == pytest.approx(0.5)
+    assert transponder.efficiency(1000.0, dead_time=0.0) == 1.0
+
+
+def test_precise_errors_are_those_of_annex_10():
+    """Table B, 95 %: 250 m at 20 nmi, 85 m at 5 nmi, 30 m at the threshold."""
+    nmi = np.array([20.0, 5.0, 0.0])
+    np.testing.assert_allclose(2.0 * transponder.precise_sigma(nmi * 1852.0), [250.0, 85.0, 30.0])
+
+
+def test_a_station_may_be_asked_twice_a_minute():
+    """Fig 2.10: 4 s of lock-in and a second of ranging are 565 pulse pairs, a minute of tracking is 1500."""
+    rates = interrogator.rate(np.array([True, True, False]), np.array([0.0, 4.0, 9.0]), np.zeros(3), 4.0)
+    assert rates.tolist() == [135.0, 25.0, 0.0]
+    dwell = 4.0 * rates[0] + 1.0 * rates[1]
+    assert dwell == 565.0 and 2.0 * dwell <= 60.0 * 25.0 < 3.0 * dwell
+    assert interrogator.rate(True, 0.0, 30.0, 4.0) == 30.0  # Annex 10, after 30 s
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7])
+def test_the_share_of_replies_is_that_of_a_binomial_number(share):
+    """Mean and variance exactly; distribution within 4 % of 25 interrogations (of its steps of about 16 %, half)."""
+    normal = stats.norm.ppf((np.arange(4000) + 0.5) / 4000)
+    replied = interrogator.replied(share, 25.0, normal)
+    assert np.mean(replied) == pytest.approx(share)
+    assert np.var(replied) == pytest.approx(share * (1.0 - share) / 25.0, rel=2e-3)
+    for k in range(26):
+        assert abs(np.mean(25.0 * replied < k + 0.5) - stats.binom.cdf(k, 25, share)) < 0.04
+
+
+def test_a_delay_that_drifts_is_set_right_when_it_stops():
+    assert transponder.drifted(2e-7, 1e-8, 0.5) == pytest.approx(2.05e-7)
+    assert transponder.drifted(2e-7, 0.0, 0.5) == 0.0
