@@ -22,6 +22,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "engine",
     "system",
     "sabotage",
+    "satellite",
     "recorded",
     "navaids",
     "sweep",

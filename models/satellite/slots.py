@@ -28,6 +28,8 @@ LATITUDES = {
 NAMES = tuple(f"{plane}{number + 1}" for plane in PLANES for number in range(4))
 EPOCH = (703, 4 * 86400.0 + 9.0)
 """GPS week and second of the epoch: GPS time was 9 s ahead of UTC."""
+FOREVER = 1e12
+"""s: the rows hold at any time."""
 HOUR_ANGLE = 15.0 * (18.0 + 36.0 / 60.0 + 14.4 / 3600.0)
 """Greenwich at the epoch, degrees."""
 SEMI_MAJOR_AXIS = 26_559_700.0
@@ -62,5 +64,5 @@ def constellation() -> np.ndarray:
         node_rate=NODE_RATE,
         toc_week=float(week),
         toc=second,
-        limit=np.inf,
+        limit=FOREVER,
     ).rows()

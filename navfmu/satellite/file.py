@@ -1,0 +1,31 @@
+"""A file of orbits, whichever it is: RINEX navigation, YUMA, SEM."""
+
+from __future__ import annotations
+
+from datetime import date
+from pathlib import Path
+
+from navfmu.errors import NavfmuError
+from navfmu.satellite import navigation, sem, yuma
+from navfmu.satellite.header import is_rinex
+from navfmu.satellite.lines import Lines
+from navfmu.satellite.orbits import Orbits
+
+EXPECTED = "a RINEX navigation file of version 2 or 3, a YUMA or a SEM almanac"
+
+
+def read_orbits(path: str | Path, near: date | None = None) -> Orbits:
+    """Read orbits and clocks of satellites.
+
+    Parameters
+    ----------
+    near : a date that an almanac is wanted for. Almanacs count weeks modulo 1024, which is 19.6 years
+    """
+    lines = Lines(path, EXPECTED)
+    if is_rinex(lines):
+        return navigation.read(lines)
+    if yuma.is_yuma(lines):
+        return yuma.read(lines, near)
+    if sem.is_sem(lines):
+        return sem.read(lines, near)
+    raise NavfmuError(f"{path}: is none that can be told; expected {EXPECTED}")
