@@ -103,8 +103,10 @@ class Orbits:
         """What there is to say, for the user."""
         prn = np.unique(self.column("prn")).astype(int)
         at = self.column("toe_week") * WEEK + self.column("toe")
-        told = [f"{self.kind}: {len(self.rows)} orbit(s) of {len(prn)} satellite(s), {moment(at.min())} "
-                f"to {moment(at.max())}"]  # fmt: skip
+        span = [moment(at.min()), moment(at.max())]
+        told = [
+            f"{self.kind}: {len(self.rows)} orbit(s) of {len(prn)} satellite(s), {' to '.join(dict.fromkeys(span))}"
+        ]
         if gone := sorted(set(range(1, SATELLITES + 1)) - set(prn.tolist())):
             told.append(f"satellites that are not in the file: {', '.join(map(str, gone))}")
         if ill := np.unique(self.column("prn")[self.column("health") != 0]).astype(int).tolist():
