@@ -19,6 +19,7 @@ SENSORS = (
     "imu",
     "increments",
     "magnetometer",
+    "navaids",
     "replay",
     "ring_laser",
     "wind",

@@ -1,0 +1,229 @@
+"""Ground stations: dilution where two and three are heard, and what a real network offers near the ground.
+
+The environment variable NAVFMU_DATA names a folder with ``dme_stations.csv``, the stations of a navaid file around six
+recorded flights, and the ``flights/``. They are not part of the project.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import navpy
+import numpy as np
+import pandas as pd
+from pymap3d import vincenty
+
+from evidence.section import Section, left_out
+from navfmu.files.writing import write_file
+from navfmu.navaids import file as station_file
+from navfmu.navaids.coverage import Coverage, Points
+from navfmu.navaids.picture import counts, dilutions
+from navfmu.navaids.sight import ANTENNA, RADIO_EARTH_RADIUS, sight
+from navfmu.navaids.station import FOOT, NAUTICAL_MILE, Station, distance
+from navfmu.recorded import track
+from navfmu.report.claim import Claim
+from navfmu.report.figure import COLOURS, figure, png
+from navfmu.report.page import Page
+
+HEADING = "Ground stations"
+MIDDLE = (float(np.radians(37.7)), float(np.radians(-121.8)))
+SIDE = 20.0
+"""nmi from the airport to each station of thesis Figs 7.1 to 7.3, and to each side of the maps."""
+COUNT = 81
+HEIGHT = 1500 * FOOT
+NOISE = 7.4
+"""m, the wide-band noise of a distance, thesis section 7.1."""
+WORST = 2.0
+"""The largest dilution with three stations, thesis section 7.1 with Fig 7.2."""
+HEIGHTS = (500.0, 1500.0)
+"""ft above the ground, thesis section 2.6."""
+NEAR = 60.0
+"""nmi from a flight to an airport: the file has all stations within 120 nmi of the flights."""
+DIFFERENT = 0.5
+"""Percent of pairs of station and airport: a horizon of roots is not quite that of a ray that touches the sphere."""
+
+
+def run(out: Path) -> Section:
+    """Measure, and draw the picture."""
+    if "NAVFMU_DATA" not in os.environ:
+        return left_out(HEADING, "NAVFMU_DATA does not name a folder with dme_stations.csv and flights/")
+    found = Found.measured(Path(os.environ["NAVFMU_DATA"]))
+    write_file(out / "sensors" / "navaids.png", picture(found))
+    return section(found)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was calculated; dilutions are (north, east) maps over SIDE nmi to each side of an airport."""
+
+    sides: np.ndarray
+    """nmi to the north, or to the east."""
+    three: np.ndarray
+    two: np.ndarray
+    heard: Mapping[str, np.ndarray]
+    """Of each region, how many stations are heard over its airports, (airports, heights)."""
+    different: float
+    """Percent of pairs of station and airport of which a ray that touches the sphere says otherwise."""
+    region: Coverage
+    """Around an airport, at both heights."""
+    drawn: str
+
+    @classmethod
+    def measured(cls, data: Path) -> Found:
+        points = Points.around(*MIDDLE, SIDE * NAUTICAL_MILE, COUNT, [HEIGHT])
+        three = Coverage.of([made(bearing) for bearing in (0.0, 120.0, 240.0)], points)
+        two = Coverage.of([made(bearing) for bearing in (0.0, 180.0)], points)
+        stations = station_file.read(data / "dme_stations.csv").stations
+        fields = airports(data / "dme_stations.csv")
+        heard, different = {}, []
+        for path in sorted((data / "flights").glob("*.csv")):
+            flown = track.read(path)
+            of = fields[[_near(field, flown) for field in fields.itertuples()]]
+            seen = np.array([over(stations, field) for field in of.itertuples()])
+            heard[path.stem] = seen.sum(axis=2)
+            different.append(
+                seen != np.array([[_touching(stations, field, h) for h in HEIGHTS] for field in of.itertuples()])
+            )
+        drawn = min(heard, key=lambda name: np.mean(heard[name] >= 3))
+        field = next(f for f in fields.itertuples() if _near(f, track.read(data / "flights" / f"{drawn}.csv")))
+        around = Points.around(
+            field.latitude, field.longitude, NEAR * NAUTICAL_MILE, COUNT, [h * FOOT for h in HEIGHTS], field.elevation
+        )
+        return cls(
+            points.sides / NAUTICAL_MILE,
+            three.layers()[0][2],
+            two.layers()[0][2],
+            heard,
+            100.0 * float(np.mean(np.concatenate([part.ravel() for part in different]))),
+            Coverage.of(stations, around),
+            f"{drawn}, around {field.Index}",
+        )
+
+
+def made(bearing: float) -> Station:
+    """A station SIDE nmi from the airport in this direction (deg)."""
+    place = np.radians(vincenty.vreckon(*np.degrees(MIDDLE), SIDE * NAUTICAL_MILE, bearing))
+    return Station(f"{bearing:.0f}", "", *map(float, place), 0.0, 110.0, 200 * NAUTICAL_MILE)
+
+
+def airports(path: Path) -> pd.DataFrame:
+    """Where a file has transponders of an ILS: latitude, longitude (rad) and elevation (m) by ident of the airport."""
+    table = pd.read_csv(path, keep_default_na=False)
+    table = table[table["name"].str.contains("ILS")]
+    found = table.groupby(table["name"].str[:4])[["latitude_deg", "longitude_deg", "elevation_ft"]].mean()
+    found = found.rename(
+        columns={"latitude_deg": "latitude", "longitude_deg": "longitude", "elevation_ft": "elevation"}
+    )
+    return found * [np.pi / 180.0, np.pi / 180.0, FOOT]
+
+
+def _near(field, flown: track.Recording) -> bool:
+    return bool(
+        np.min(distance(field.latitude, field.longitude, flown.latitude, flown.longitude)) < NEAR * NAUTICAL_MILE
+    )
+
+
+def over(stations, field) -> np.ndarray:
+    """Which stations are heard over an airport, (heights, stations)."""
+    place = (np.full(len(HEIGHTS), x) for x in (field.latitude, field.longitude))
+    return sight(stations, *place, field.elevation + FOOT * np.array(HEIGHTS), field.elevation).heard.T
+
+
+def _touching(stations, field, height: float) -> list[bool]:
+    """The same at a height (ft), by navpy and a ray that just touches the sphere, whose length is an arc."""
+    own = field.elevation + height * FOOT
+    heard = []
+    for one in stations:
+        there = np.degrees(one.latitude), np.degrees(one.longitude), one.elevation
+        far = np.linalg.norm(navpy.lla2ned(*there, np.degrees(field.latitude), np.degrees(field.longitude), own))
+        antenna = max(one.elevation - field.elevation, 0.0) + ANTENNA
+        arcs = (np.arccos(RADIO_EARTH_RADIUS / (RADIO_EARTH_RADIUS + h)) for h in (height * FOOT, antenna))
+        heard.append(bool(far <= min(one.range, RADIO_EARTH_RADIUS * sum(arcs))))
+    return heard
+
+
+def shares(heard: np.ndarray) -> list[float]:
+    """Percent of airports with two at 500 and 1500 ft, and with three at 500 and 1500 ft."""
+    return [100.0 * float(np.mean(heard[:, i] >= least)) for least in (2, 3) for i in range(len(HEIGHTS))]
+
+
+def make_claims(found: Found) -> list[Claim]:
+    """T26 and T33."""
+    half = COUNT // 2
+    middle = abs(found.three[half, half] / (2.0 / np.sqrt(3.0)) - 1.0)
+    return [
+        Claim(
+            "Three stations around an airport dilute by 2 / sqrt(3) in the middle", middle, 1e-3, False, "",
+            "Three stations around an airport do not dilute by 2 / sqrt(3) in the middle",
+        ),
+        Claim(
+            f"Three stations dilute by no more than {WORST:g} within {SIDE:g} nmi",
+            float(np.max(found.three)), WORST, False, "",
+            f"Three stations dilute by more than {WORST:g} within {SIDE:g} nmi",
+        ),
+        Claim(
+            "Two do not serve on the line between them", float(np.min(found.two[:, half])), 50.0, True, "",
+            "Two serve on the line between them",
+        ),
+        Claim(
+            "Two dilute by sqrt(2) where their lines cross at right angles",
+            abs(float(np.min(found.two)) / np.sqrt(2.0) - 1.0), 1e-3, False, "",
+            "Two do not dilute by sqrt(2) where their lines cross at right angles",
+        ),
+        Claim(
+            "Stations are heard as a ray that touches the Earth of 4/3 radius says", found.different, DIFFERENT, False,
+            "% of pairs", "Stations are not heard as a ray that touches the Earth of 4/3 radius says",
+        ),
+    ]  # fmt: skip
+
+
+def section(found: Found) -> Section:
+    """Claims, coverage by region, and the picture."""
+    claims = make_claims(found)
+
+    def write(page: Page) -> None:
+        page.heading(HEADING, 3)
+        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
+        rows = [[name, str(len(heard)), *(f"{x:.0f}" for x in shares(heard))] for name, heard in found.heard.items()]
+        head = [f"{n} at {h:g} ft, %" for n in ("two", "three") for h in HEIGHTS]
+        page.table(["region", "airports", *head], rows)
+        page.picture(picture(found), "Dilution with three and with two stations; airports; a region at 500 and 1500 ft")
+
+    return Section(claims, write)
+
+
+def picture(found: Found) -> bytes:
+    """Maps of dilution with three and two stations, airports by region, and a region at both heights."""
+    claims = make_claims(found)
+    with figure(2, 3, size=(14.5, 8.8)) as (drawing, axes):
+        three, two, bars, *maps = axes.ravel()
+        for ax, hdop, claim in ((three, found.three, claims[1]), (two, found.two, claims[2])):
+            dilutions(drawing, ax, found.sides, hdop)
+            ax.set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
+            ax.set_title(claim.sentence, fontsize=9)
+        names = list(found.heard)
+        for i, text in enumerate(f"{n} at {h:g} ft" for n in ("two", "three") for h in HEIGHTS):
+            bars.barh(
+                np.arange(len(names)) + 0.2 * (1.5 - i), [shares(found.heard[n])[i] for n in names], 0.18,
+                color=COLOURS[i], label=text,
+            )  # fmt: skip
+        bars.set_yticks(range(len(names)), [f"{n} ({len(found.heard[n])})" for n in names])
+        bars.set_xlabel("airports with so many stations, %")
+        bars.set_xlim(0.0, 165.0)
+        bars.set_xticks([0, 25, 50, 75, 100])
+        bars.legend(fontsize=8, loc="upper right")
+        bars.set_title("Airports, whose number is in brackets", fontsize=9)
+        layers = found.region.layers()
+        sides = found.region.points.sides / NAUTICAL_MILE
+        for ax, (height, count, _) in zip(maps, layers, strict=False):
+            counts(drawing, ax, sides, count)
+            ax.set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
+            ax.set_title(f"Stations at {height / FOOT:.0f} ft, {found.drawn}", fontsize=9)
+        dilutions(drawing, maps[2], sides, layers[1][2])
+        maps[2].set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
+        maps[2].set_title(f"HDOP at {layers[1][0] / FOOT:.0f} ft, {found.drawn}", fontsize=9)
+        drawing.subplots_adjust(wspace=0.3, hspace=0.3)
+        return png(drawing)
