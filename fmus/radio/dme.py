@@ -46,7 +46,8 @@ class Dme(stations.StationTable, Component):
 
     Interrogator (section 2.5.5). A receiver that is tuned to a station searches, with 135 pulse pairs a second, until
     it has had replies for `lock_in`, and then tracks with 25; a scanning one divides them among its stations. It has
-    replies while at least `least_replies` of its interrogations are answered, and where it looks for them: what jumps
+    replies while at least `least_replies` of its interrogations are answered, on average over `reply_window`, and where
+    it looks for them: what jumps
     by more than `gate` is lost and searched for. Where replies fail it waits for `memory_time`, showing the last range,
     before it searches.
 
@@ -225,6 +226,9 @@ class Dme(stations.StationTable, Component):
     least_replies = Parameter(
         "1", start=0.5, min=0.0, max=1.0, description="least share of replies with which lock is kept (own choice)"
     )
+    reply_window = Parameter(
+        "s", start=2.0, min=0.01, max=60.0, description="time over which replies are averaged (own choice)"
+    )
     reply_efficiency = Parameter(
         PLACES, "1", start=1.0, min=0.0, max=1.0, description="share that each transponder answers of what it hears"
     )
@@ -324,6 +328,7 @@ class Dme(stations.StationTable, Component):
     rest = State(PLACES, "s", description="for how long each station is not selected because it did not answer")
     tracking = State(PLACES, "s", description="how long each station has been asked and has answered without a break")
     searching = State(PLACES, "s", description="how long each station has been searched for")
+    luck = State(PLACES, "1", description="how far the average of replies is off, in standard deviations")
     silent = State(PLACES, "s", description="since when each station has not answered")
     followed = State(PLACES, "m", description="distance at which replies were last followed")
     held = State(PLACES, "m", description="last reading of each station, for its memory")
@@ -349,6 +354,7 @@ class Dme(stations.StationTable, Component):
         self.receiver_bias = gauss_markov.stationary(self.bias_sigma, noise(1)[0])
         self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
         self.offset = self.receiver_offset + self.station_offset_sigma * noise(PLACES)
+        self.luck = gauss_markov.stationary(1.0, noise(PLACES))
 
     @every("bias_period")
     def advance_biases(self, noise):
@@ -413,7 +419,9 @@ class Dme(stations.StationTable, Component):
         normal, replies = noise(PLACES), noise(PLACES)
         path = distance + transponder.range_of(delay) + self.echo
         gated = interrogator.in_gate(path, self.followed, self.gate, self.silent + self.period)
-        replied = interrogator.replied(self.answered_share, self.interrogation_rate * self.period, replies)
+        kept = gauss_markov.decay(self.period, self.reply_window)
+        self.luck = gauss_markov.advance(self.luck, kept, gauss_markov.drive(1.0, kept), replies)
+        replied = interrogator.replied(self.answered_share, self.interrogation_rate, self.reply_window, self.luck)
         enough = (replied >= self.least_replies) & (self.answered_share > 0.0)
         answered = asked & enough & np.isfinite(path) & (gated | (self.tracking <= 0.0))
         self.silent = np.where(answered, 0.0, self.silent + self.period)

@@ -36,12 +36,15 @@ def rate(interrogated, tracking, searching, lock_in):
     return np.where(interrogated, np.where(tracking < lock_in - 1.0e-6, search, TRACK_RATE), 0.0)
 
 
-def replied(efficiency, count, normal):
-    """Share of ``count`` interrogations that were answered where each is with the chance ``efficiency``.
+def replied(efficiency, interrogations, window, luck):
+    """Share of replies that a receiver finds which averages them over ``window`` (s), exponentially.
 
-    The binomial number as a normal one, ``normal`` being standard: of 25 interrogations within 1 % at the middle.
+    Each of ``interrogations`` (pulse pairs a second) is answered with the chance p = ``efficiency``. The average has
+    the variance p (1 - p) / (2 rate window) and forgets with exp(-t / window); ``luck`` is a Gauss-Markov process of
+    that time and sigma 1. Its mean is taken to follow p at once: a receiver sees in no time that nothing comes.
     """
-    return efficiency + np.sqrt(efficiency * (1.0 - efficiency) / np.maximum(count, 1.0)) * normal
+    count = np.maximum(2.0 * interrogations * window, 1.0)
+    return efficiency + np.sqrt(efficiency * (1.0 - efficiency) / count) * luck
 
 
 def in_gate(distance, followed, gate, since):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from models.radio import interrogator, transponder
 
@@ -69,15 +68,19 @@ def test_a_station_may_be_asked_twice_a_minute():
     assert interrogator.rate(True, 0.0, 30.0, 4.0) == 30.0  # Annex 10, after 30 s
 
 
-@pytest.mark.parametrize("share", [0.3, 0.7])
-def test_the_share_of_replies_is_that_of_a_binomial_number(share):
-    """Mean and variance exactly; distribution within 4 % of 25 interrogations (of its steps of about 16 %, half)."""
-    normal = stats.norm.ppf((np.arange(4000) + 0.5) / 4000)
-    replied = interrogator.replied(share, 25.0, normal)
-    assert np.mean(replied) == pytest.approx(share)
-    assert np.var(replied) == pytest.approx(share * (1.0 - share) / 25.0, rel=2e-3)
-    for k in range(26):
-        assert abs(np.mean(25.0 * replied < k + 0.5) - stats.binom.cdf(k, 25, share)) < 0.04
+def test_the_share_of_replies_has_the_variance_of_an_average_of_chances():
+    """Played: 25 interrogations a second, each answered with 0.7, averaged over 2 s. Variance p (1 - p) / 100, from
+    4000 averages after 10 s (which have all but exp(-10) of it): within 5 standard errors, 11 %. Catches a window of
+    2 s that is even, of 50 interrogations, with twice the variance."""
+    rng = np.random.default_rng(5)
+    keep = np.exp(-1.0 / (25.0 * 2.0))
+    average = np.full(4000, 0.7)
+    for _ in range(250):
+        average = keep * average + (1.0 - keep) * (rng.random(4000) < 0.7)
+    found = np.var(average)
+    spread = np.var(interrogator.replied(0.7, 25.0, 2.0, rng.standard_normal(4000)))
+    assert found == pytest.approx(0.21 / 100.0, rel=5.0 * np.sqrt(2.0 / 4000) + 0.01)
+    assert spread == pytest.approx(0.21 / 100.0, rel=5.0 * np.sqrt(2.0 / 4000))
 
 
 def test_a_delay_that_drifts_is_set_right_when_it_stops():

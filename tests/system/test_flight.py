@@ -65,8 +65,10 @@ def test_the_solution_does_not_jump_when_gps_is_lost(load):
         assert np.all(step < 3.0 * run["navigator.north_sigma"].to_numpy()[switch])
 
 
-SIZES = {"1": 0.01, "m": 0.01, "rad": 0.01, "rad.s/m": 1e-5, "T": 1e-5, "A": 1.0}
+SIZES = {"1": 0.01, "m": 0.01, "rad": 0.01, "rad.s/m": 1e-5, "T": 1e-5, "A": 1.0, "s": 1e-7}
 """Of a fault with this unit."""
+SIZED = {"dme.replies_lost": 0.95}
+"""Of faults that only act when they are large."""
 SWITCHED = {
     "wind.shear_n[1]": 5.0,
     "wind.gust_n[1]": 5.0,
@@ -88,7 +90,8 @@ def fault_inputs(folder):
             if variable.find("Annotations/Tool/fault") is not None:
                 real = variable.find("Real")
                 value = True if real is None else SIZES[real.get("unit")]
-                found[f"{component}.{variable.get('name')}"] = value
+                name = f"{component}.{variable.get('name')}"
+                found[name] = SIZED.get(name.split("[")[0], value)
     return found
 
 
