@@ -20,8 +20,8 @@ class Ephemeris(NamedTuple):
     toe_week: Any
     toe: Any
     """t_oe, reference time of the orbit (almanac: t_oa), s of the week ``toe_week``."""
-    sqrt_a: Any
-    """Square root of the semi-major axis, sqrt(m)."""
+    semi_major_axis: Any
+    """A, m; messages have its square root."""
     eccentricity: Any
     inclination: Any
     """i_0 at t_oe, rad."""
@@ -81,8 +81,7 @@ _UNITS = {
     **dict.fromkeys(_SECONDS, "s"),
     **dict.fromkeys(_RADIANS, "rad"),
     **dict.fromkeys(_RATES, "rad/s"),
-    **dict.fromkeys(("crc", "crs", "accuracy"), "m"),
-    "sqrt_a": "m^0.5",
+    **dict.fromkeys(("semi_major_axis", "crc", "crs", "accuracy"), "m"),
     "clock_drift_rate": "1/s",
 }
 COLUMNS = tuple((name, _UNITS.get(name, "1")) for name in Ephemeris._fields)

@@ -20,7 +20,7 @@ EARTH_RATE = 7.2921151467e-5
 
 def mean_motion(ephemeris):
     """n = n_0 + Delta n, rad/s, n_0 = sqrt(mu / A^3)."""
-    a = ephemeris.sqrt_a * ephemeris.sqrt_a
+    a = ephemeris.semi_major_axis
     return np.sqrt(GRAVITATION / (a * a * a)) + ephemeris.mean_motion_difference
 
 
@@ -44,7 +44,7 @@ def state_at(ephemeris, anomaly, week, second):
     """The same where ``anomaly`` = (E_k, its rate) is known."""
     o, (eccentric, eccentric_rate) = ephemeris, anomaly
     t = elapsed(week, second, o.toe_week, o.toe)
-    a, e = o.sqrt_a * o.sqrt_a, o.eccentricity
+    a, e = o.semi_major_axis, o.eccentricity
     sine, cosine = np.sin(eccentric), np.cos(eccentric)
     flat = np.sqrt(1.0 - e * e)
     true_anomaly = np.arctan2(flat * sine, cosine - e)

@@ -26,7 +26,7 @@ def polynomial(ephemeris, week, second):
 
 def relativity(ephemeris, anomaly):
     """F e sqrt(A) sin(E) in s, and its rate in s/s; ``anomaly`` is that of :func:`models.satellite.orbit.anomaly`."""
-    (eccentric, rate), scale = anomaly, RELATIVITY * ephemeris.eccentricity * ephemeris.sqrt_a
+    (eccentric, rate), scale = anomaly, RELATIVITY * ephemeris.eccentricity * np.sqrt(ephemeris.semi_major_axis)
     return scale * np.sin(eccentric), scale * np.cos(eccentric) * rate
 
 

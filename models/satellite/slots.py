@@ -55,7 +55,7 @@ def constellation() -> np.ndarray:
         prn=prn,
         toe_week=float(week),
         toe=second,
-        sqrt_a=np.sqrt(SEMI_MAJOR_AXIS),
+        semi_major_axis=SEMI_MAJOR_AXIS,
         eccentricity=0.0,
         inclination=INCLINATION,
         node=np.mod(node + np.pi, 2.0 * np.pi) - np.pi,

@@ -11,8 +11,9 @@ from navfmu.satellite.header import Header
 from navfmu.satellite.lines import Lines
 from navfmu.satellite.orbits import SATELLITES
 
-WIDTH, PLACES = 16, 14
-"""Of an observation: a number, loss of lock, strength; and of the number."""
+WIDTH, PLACES, POINT = 16, 14, 10
+"""Of an observation: a number, loss of lock, strength; of the number; and where its point is. A number that is cut off
+has it elsewhere, or fewer digits behind it."""
 MEASURED = 1
 """The flag of an epoch up to which it holds observations; above it is an event, or a list of cycle slips."""
 SLIPS = 6
@@ -67,8 +68,12 @@ def _version_3(lines: Lines, at: int, types: list[str]) -> tuple[Epoch | None, i
         if told.startswith("G"):
             prn = _satellite(lines, line, told[1:3], epoch)
             epoch.satellites[prn] = _values(lines, line, types, lambda k, told=told: told[3 + WIDTH * k :])
-        else:
+        elif told[:1].isalpha():
             epoch.others.add(told[:1])
+        else:
+            raise lines.wrong(
+                line, f"begins with '{told[:4]}'; expected one of the {count} satellites of the epoch of line {at}"
+            )
     return epoch, behind
 
 
@@ -92,8 +97,10 @@ def _version_2(lines: Lines, at: int, types: list[str]) -> tuple[Epoch | None, i
             epoch.satellites[prn] = _values(
                 lines, line, types, lambda k, rows=rows: rows[k // 5][WIDTH * (k % 5) :]
             )  # fmt: skip
-        else:
+        elif name[:1].isalpha():
             epoch.others.add(name[:1])
+        else:
+            raise lines.wrong(at, f"the satellites of the epoch are followed by '{name}'; expected {count} of them")
     return epoch, behind
 
 
@@ -165,6 +172,12 @@ def _values(lines: Lines, at: int, names: list[str], text: Callable[[int], str])
     found = {}
     for k, name in enumerate(names):
         told = text(k)[:PLACES]
-        if told.strip() and (value := lines.number(at, told, name)):
+        if not told.strip():
+            continue
+        if told[POINT : POINT + 1] != "." or len(told.rstrip()) < PLACES:
+            raise lines.wrong(
+                at, f"{name} is '{told.strip()}' in {PLACES} columns; expected three digits behind a point at the end"
+            )
+        if value := lines.number(at, told, name):
             found[name] = value
     return found

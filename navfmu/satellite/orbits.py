@@ -20,7 +20,7 @@ COLUMNS = (
     ("prn", "1"),
     ("toe_week", "1"),
     ("toe", "s"),
-    ("sqrt_a", "m^0.5"),
+    ("semi_major_axis", "m"),
     ("eccentricity", "1"),
     ("inclination", "rad"),
     ("node", "rad"),
@@ -141,7 +141,8 @@ def orbits(
     if not found:
         raise NavfmuError(f"{lines.path}: holds no satellite of GPS; expected {lines.expected}")
     remarks = list(remarks)
-    rows = np.array([[row.get(name, 0.0) for name, _ in COLUMNS] for row in found], float)
+    full = [{**row, "semi_major_axis": row["sqrt_a"] ** 2} for row in found]
+    rows = np.array([[row.get(name, 0.0) for name, _ in COLUMNS] for row in full], float)
     names = [name for name, _ in COLUMNS]
     week, second = (rows[:, names.index(name)] for name in ("toe_week", "toe"))
     rows[:, 0] = APART * rows[:, names.index("prn")] + week + second / WEEK
