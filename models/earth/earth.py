@@ -69,3 +69,30 @@ def to_ecef(latitude, longitude, altitude):
             (east_west * (1.0 - ECCENTRICITY_SQUARED) + altitude) * np.sin(latitude),
         ]
     )
+
+
+def from_ecef(position_e):
+    """Latitude and longitude (rad) and altitude (m) of a position in e, shape (3,), m; Bowring (1976), applied twice.
+
+    Exact to the last places of a double from the ground to 50 000 km; at the centre of the earth it has no meaning.
+    """
+    x, y, z = position_e[0], position_e[1], position_e[2]
+    across = np.sqrt(x * x + y * y)
+    polar_radius = EQUATORIAL_RADIUS * (1.0 - FLATTENING)
+    sine, cosine = z, (1.0 - FLATTENING) * across  # of the reduced latitude, but for a common factor
+    for _ in range(2):
+        size = np.sqrt(sine * sine + cosine * cosine)
+        sine, cosine = sine / size, cosine / size
+        up = z + ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED) * polar_radius * sine * sine * sine
+        out = across - ECCENTRICITY_SQUARED * EQUATORIAL_RADIUS * cosine * cosine * cosine
+        sine, cosine = (1.0 - FLATTENING) * up, out
+    size = np.sqrt(up * up + out * out)
+    sine, cosine = up / size, out / size
+    root = np.sqrt(1.0 - ECCENTRICITY_SQUARED * sine * sine)
+    return np.arctan2(up, out), np.arctan2(y, x), across * cosine + z * sine - EQUATORIAL_RADIUS * root
+
+
+def north_east_down(latitude, longitude):
+    """C_ne, shape (3, 3): takes components from e to n."""
+    sp, cp, sl, cl = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
+    return np.array([[-sp * cl, -sp * sl, cp], [-sl, cl, 0.0 * cl], [-cp * cl, -cp * sl, -sp]])

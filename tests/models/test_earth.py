@@ -28,6 +28,22 @@ def test_ecef_agrees_with_pymap3d(position):
     np.testing.assert_allclose(earth.to_ecef(*position), pymap3d.geodetic2ecef(*position, deg=False), atol=1e-7)
 
 
+@pytest.mark.parametrize("latitude", [-np.pi / 2, -1.2, -1e-9, 0.0, 0.65, 1.5, np.pi / 2])
+@pytest.mark.parametrize("altitude", [-1e4, 0.0, 1500.0, 1e5, 2.0e7])
+def test_positions_in_e_come_back(latitude, altitude):
+    """From below the ground to the orbits, at poles and equator; one step of Bowring is 10 um off in orbit."""
+    position_e = np.array(pymap3d.geodetic2ecef(latitude, 3.0, altitude, deg=False))
+    found = earth.from_ecef(position_e)
+    np.testing.assert_allclose(found, (latitude, 3.0, altitude), rtol=1e-14, atol=5e-9)
+    np.testing.assert_allclose(earth.to_ecef(*found), position_e, atol=1e-8)
+
+
+def test_axes_of_n_are_those_of_pymap3d():
+    rotation = earth.north_east_down(0.65, -2.1)
+    east, north, up = pymap3d.ecef2enuv(1.0, -2.0, 3.0, 0.65, -2.1, deg=False)
+    np.testing.assert_allclose(rotation @ np.array([1.0, -2.0, 3.0]), (north, east, -up), atol=1e-14)
+
+
 def test_gravity_has_the_published_values_on_the_ellipsoid():
     assert earth.gravity(0.0, 0.0) == pytest.approx(9.7803253359, abs=1e-10)
     assert earth.gravity(np.pi / 2, 0.0) == pytest.approx(9.8321849378, abs=1e-9)

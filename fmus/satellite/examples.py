@@ -1,0 +1,81 @@
+"""The run shown in the documentation of the solver: eight satellites that stand in the sky, one of which goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fmus.examples import gps_inputs
+from fmus.satellite.signals import PLACES
+from models.earth import earth
+from models.evaluation import evaluation
+from models.satellite import klobuchar, saastamoinen, sight
+
+FAULT = 40.0
+STEP = 100.0
+"""m."""
+WRONG = 3
+"""The satellite that goes wrong, counted from 0."""
+SKY = np.radians([(15, 70), (75, 30), (130, 55), (180, 20), (215, 40), (265, 15), (300, 65), (340, 25)])
+"""Azimuth and elevation of the satellites where the flight begins."""
+ALPHA, BETA = (3.82e-8, 1.49e-8, -1.79e-7, 0.0), (1.43e5, 0.0, -3.28e5, 1.13e5)
+CLOCK = 3.0e4
+"""Of the receiver, m."""
+
+
+def _satellites(latitude: float, longitude: float, altitude: float) -> np.ndarray:
+    azimuth, elevation = SKY.T
+    across = np.cos(elevation)
+    unit_n = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), -np.sin(elevation)], axis=1)
+    radius, place = 26.56e6, earth.to_ecef(latitude, longitude, altitude)
+    unit_e = unit_n @ earth.north_east_down(latitude, longitude)
+    up = unit_e @ place
+    distance = np.sqrt(up * up + radius * radius - place @ place) - up
+    return place + distance[:, None] * unit_e
+
+
+def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """Level flight to the west below satellites that stand still; one is STEP too far from FAULT on."""
+    flight = gps_inputs(time)
+    rng = np.random.default_rng(8)
+    here = flight["latitude"][0], flight["longitude"][0], flight["altitude"][0]
+    satellite_e = np.zeros((PLACES, 3))
+    satellite_e[: len(SKY)] = _satellites(*here)
+    pseudorange, rate = np.zeros((2, len(time), PLACES))
+    for k, now in enumerate(time):
+        place = flight["latitude"][k], flight["longitude"][k], flight["altitude"][k]
+        position_e = earth.to_ecef(*place)
+        distance, unit_e = sight.ranges(position_e, satellite_e[: len(SKY)])
+        elevation, azimuth = sight.elevation_azimuth(unit_e, *place[:2])
+        velocity_e = flight["velocity_n"][k] @ earth.north_east_down(*place[:2])
+        delay = klobuchar.delay(*place[:2], elevation, azimuth, now, ALPHA, BETA)
+        delay = delay + saastamoinen.slant(sum(saastamoinen.zenith(place[0], place[2])), elevation)
+        pseudorange[k, : len(SKY)] = distance + delay + CLOCK + 0.5 * rng.standard_normal(len(SKY))
+        rate[k, : len(SKY)] = -unit_e @ velocity_e + 0.02 * rng.standard_normal(len(SKY))
+    pseudorange[time >= FAULT, WRONG] += STEP
+    return {
+        "signals.seconds": time,
+        "signals.tracked": np.tile(np.arange(PLACES) < len(SKY), (len(time), 1)),
+        "signals.number": np.tile(np.where(np.arange(PLACES) < len(SKY), np.arange(1, PLACES + 1), 0), (len(time), 1)),
+        "signals.pseudorange": pseudorange,
+        "signals.range_rate": rate,
+        "signals.signal_to_noise": np.full((len(time), PLACES), 45.0),
+        "signals.satellite_e": np.tile(satellite_e, (len(time), 1, 1)),
+    }
+
+
+def solver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    """Errors of the position, and which satellites are used."""
+    truth = gps_inputs(outputs["fix.time_of_validity"])
+    seen = outputs["fix.valid"] > 0.0
+    north, east = evaluation.position_error(
+        truth["latitude"], truth["longitude"], truth["altitude"], outputs["fix.latitude"], outputs["fix.longitude"]
+    )
+    errors = {"north": north, "east": east, "up": outputs["fix.altitude"] - truth["altitude"]}
+    return {
+        "error of position while valid (m)": {name: np.where(seen, error, np.nan) for name, error in errors.items()},
+        "satellite used": {
+            f"satellite {i + 1}": outputs["used"][:, i] + 1.2 * i for i in (WRONG - 1, WRONG, WRONG + 1)
+        },
+    }

@@ -1,0 +1,58 @@
+"""The line of sight from a receiver to satellites.
+
+Satellites are given in e as e is when their signals leave. While these travel e turns, by 130 m at the equator; all
+that is received at one moment is put into e of that moment (Sagnac effect, IS-GPS-200, 20.3.3.4.3.3.2). Satellites are
+rows: positions have shape (satellites, 3).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.earth import earth
+
+SPEED_OF_LIGHT = 299792458.0
+"""m/s."""
+EARTH_RATE = 7.2921151467e-5
+"""Rate of e with respect to inertial space in GPS, rad/s, IS-GPS-200 table 20-IV."""
+
+
+def turned(vector_e, travel):
+    """Rows of ``vector_e`` in e of ``travel`` seconds later, exact to 1e-14 for 0.1 s."""
+    angle = EARTH_RATE * travel
+    cosine, sine = 1.0 - 0.5 * angle * angle, angle - angle * angle * angle / 6.0
+    x, y = vector_e[:, 0], vector_e[:, 1]
+    return np.stack([cosine * x + sine * y, cosine * y - sine * x, vector_e[:, 2]], axis=1)
+
+
+def travel_time(position_e, satellite_e):
+    """Time from each satellite to the receiver, s; that e turns meanwhile changes it by 0.5 us at most."""
+    line = satellite_e - position_e
+    return np.sqrt(np.sum(line * line, axis=1)) / SPEED_OF_LIGHT
+
+
+def ranges(position_e, satellite_e):
+    """Distances at reception, m, and unit vectors from the receiver to the satellites in e of reception.
+
+    The travel time is taken before e has turned, which is a fraction of a millimetre.
+    """
+    line = turned(satellite_e, travel_time(position_e, satellite_e)) - position_e
+    distance = np.sqrt(np.sum(line * line, axis=1))
+    return distance, line / distance[:, None]
+
+
+def range_rates(unit_e, velocity_e, satellite_velocity_e):
+    """Rates of the distances, m/s: how fast satellites go away along ``unit_e``.
+
+    ``satellite_velocity_e`` has been turned into e of reception. The signal of a satellite that goes away left ever
+    earlier, so its own part is smaller by the rate over the speed of light; it is 2 mm/s at most.
+    """
+    away = np.sum(unit_e * satellite_velocity_e, axis=1)
+    own = np.sum(unit_e * velocity_e, axis=1)
+    return (away - own) / (1.0 + away / SPEED_OF_LIGHT)
+
+
+def elevation_azimuth(unit_e, latitude, longitude):
+    """Elevation and azimuth (from north over east) of unit vectors, rad."""
+    unit_n = unit_e @ earth.north_east_down(latitude, longitude).T
+    return np.arcsin(np.clip(-unit_n[:, 2], -1.0, 1.0)), np.arctan2(unit_n[:, 1], unit_n[:, 0])

@@ -1,0 +1,141 @@
+"""What a receiver makes of its measurements: corrected ranges, satellites chosen, a position, what is wrong with it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from models.earth import earth
+from models.satellite import dilution, klobuchar, least_squares, niell, raim, saastamoinen, sight, variance
+from navfmu.repetition import repeat
+
+SETTLING = 8
+"""Steps of Gauss and Newton from a point below the satellites."""
+COSECANT, NIELL = 1, 2
+"""Mapping functions of the troposphere."""
+LOWEST = float(np.radians(1.0))
+"""Delays are those of this elevation for what is lower, rad."""
+
+
+def ionosphere(position_e, elevation, azimuth, seconds, alpha, beta):
+    """Klobuchar's delay of satellites in the sky (rad) above a place that is known to some km, m."""
+    latitude, longitude, _ = earth.from_ecef(position_e)
+    return klobuchar.delay(latitude, longitude, np.maximum(elevation, LOWEST), azimuth, seconds, alpha, beta)
+
+
+def troposphere(position_e, elevation, day, mapping, humidity):
+    """The troposphere's delay over that at the zenith; ``mapping`` is COSECANT, NIELL, or another number for none."""
+    latitude, _, altitude = earth.from_ecef(position_e)
+    seen = np.maximum(elevation, LOWEST)
+    hydrostatic, wet = saastamoinen.zenith(latitude, altitude, humidity)
+    of_hydrostatic, of_wet = niell.mapping(day, latitude, altitude, seen)
+    by_niell = (of_hydrostatic * hydrostatic + of_wet * wet) / (hydrostatic + wet)
+    return np.where(mapping == NIELL, by_niell, np.where(mapping == COSECANT, saastamoinen.slant(1.0, seen), 0.0))
+
+
+def sky(position_e, satellite_e):
+    """Elevation and azimuth of satellites, rad."""
+    latitude, longitude, _ = earth.from_ecef(position_e)
+    _, unit_e = sight.ranges(position_e, satellite_e)
+    return sight.elevation_azimuth(unit_e, latitude, longitude)
+
+
+def approach(position_e, clock, measured, weight, count):
+    """Position and clock after ``count`` steps, SETTLING at most."""
+
+    def closer(value):
+        return least_squares.step(*value, measured, weight)
+
+    return repeat(closer, (position_e, clock), count, SETTLING)
+
+
+def choose(h, weight, channels):
+    """Weights of at most so many satellites: those are left out, one by one, without which the dilution grows least.
+
+    ``weight`` is 1 or 0. The last row, the altitude, needs no channel.
+    """
+
+    def without_one(kept):
+        growth = dilution.growth(least_squares.covariance(h, kept), h, kept)[:-1]
+        # three and an altitude, or four, are kept however they lie: one more cannot be missed
+        out = dilution.least(growth, kept[:-1] > 0.0)
+        return np.concatenate([np.where(out, 0.0, kept[:-1]), kept[-1:]])
+
+    return repeat(without_one, weight, np.sum(weight[:-1]) - channels, weight.shape[0] - 1)
+
+
+def freedom(weight):
+    """Number of rows beyond the four that a solution needs."""
+    return np.sum(np.where(weight > 0.0, 1.0, 0.0)) - 4.0
+
+
+def of_freedom(values, weight):
+    """Which of the values for 1, 2, ... degrees of freedom holds for these weights; 0 for none."""
+    return np.sum(np.where(np.arange(1, values.shape[0] + 1) == freedom(weight), values, 0.0))
+
+
+class Solution(NamedTuple):
+    """A position with its geometry; rows as in :mod:`least_squares`."""
+
+    h: np.ndarray
+    p: np.ndarray
+    residual: np.ndarray
+    rotation: np.ndarray  #: C_ne
+    unit_e: np.ndarray
+
+    def squares(self, weight):
+        return raim.squares(self.residual, weight)
+
+
+def solution(position_e, clock, measured, weight):
+    """Geometry and residuals at a position."""
+    h, residual, rotation, unit_e = least_squares.compare(position_e, clock, measured)
+    return Solution(h, least_squares.covariance(h, weight), residual, rotation, unit_e)
+
+
+def alarmed(found, weight, thresholds):
+    """Whether the residuals are larger than noise makes them; ``thresholds`` of the sum of squares by freedom, from 1.
+
+    With no degree of freedom they are always zero, and there is no alarm.
+    """
+    return np.logical_and(freedom(weight) > 0.5, found.squares(weight) > of_freedom(thresholds, weight))
+
+
+def exclude(position_e, clock, measured, weight, thresholds, most):
+    """Position, clock and weights after rows were left out, one by one, until there is no alarm, or ``most`` are.
+
+    Left out is the row without which the sum of squares is least. With one degree of freedom it is the same for all,
+    and none is left out.
+    """
+
+    def without_one(value):
+        position_e, clock, weight = value
+        found = solution(position_e, clock, measured, weight)
+        tested = raim.standardised(found.residual, weight, raim.redundancy(found.p, found.h, weight))
+        wrong = np.logical_and(alarmed(found, weight, thresholds), freedom(weight) > 1.5)
+        weight = np.where(np.logical_and(wrong, dilution.least(-tested, weight > 0.0)), 0.0, weight)
+        return *approach(position_e, clock, measured, weight, 2), weight
+
+    return repeat(without_one, (position_e, clock, weight), most, 4)
+
+
+def day_of_year(week, seconds):
+    """Day of a year of 365.25 days, as mapping functions take it, from GPS week and seconds."""
+    return np.mod(5.0 + 7.0 * week + seconds / 86400.0, 365.25) + 1.0
+
+
+def weights(seen, elevation, ionosphere, accuracy, corrected, differential_sigma, equal_sigma):
+    """1 / variance of the satellites that are used, 0 of the others.
+
+    With differential corrections the receiver's own part and what corrections leave; with ``equal_sigma`` above 0 that
+    for all.
+    """
+    low = np.maximum(elevation, LOWEST)
+    by_model = np.where(
+        corrected,
+        variance.code(low) + differential_sigma**2,
+        variance.pseudorange(low, accuracy, ionosphere),
+    )
+    equal = np.where(equal_sigma > 0.0, equal_sigma, 1.0) ** 2
+    return np.where(seen, 1.0 / np.where(equal_sigma > 0.0, equal, by_model), 0.0)
