@@ -18,6 +18,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "faults": ("navfmu.cli.faults", "Show what in a system can fail, and how."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
+    "orbits": ("navfmu.cli.orbits", "Make a table of orbits of satellites from RINEX, YUMA or SEM files."),
     "plot": ("navfmu.cli.plot", "Draw signals of a recording."),
     "replay": ("navfmu.cli.replay", "Make an FMU from recorded samples of a sensor."),
     "run": ("navfmu.cli.run", "Run a system once."),

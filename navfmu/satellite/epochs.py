@@ -100,7 +100,7 @@ def _version_2(lines: Lines, at: int, types: list[str]) -> tuple[Epoch | None, i
         elif name[:1].isalpha():
             epoch.others.add(name[:1])
         else:
-            raise lines.wrong(at, f"the satellites of the epoch are followed by '{name}'; expected {count} of them")
+            raise lines.wrong(at, f"of the {count} satellites one is '{name}'; expected one as in 'G05'")
     return epoch, behind
 
 

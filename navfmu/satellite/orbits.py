@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -135,20 +135,39 @@ def orbits(
     kind: str,
     found: Sequence[Mapping[str, float]],
     ionosphere: np.ndarray | None = None,
-    remarks: Iterable[str] = (),
+    remarks: Sequence[str] = (),
 ) -> Orbits:
     """Make the table: in the order of place, of two rows of one satellite and t_oe the one that was sent later."""
     if not found:
         raise NavfmuError(f"{lines.path}: holds no satellite of GPS; expected {lines.expected}")
-    remarks = list(remarks)
     full = [{**row, "semi_major_axis": row["sqrt_a"] ** 2} for row in found]
     rows = np.array([[row.get(name, 0.0) for name, _ in COLUMNS] for row in full], float)
     names = [name for name, _ in COLUMNS]
     week, second = (rows[:, names.index(name)] for name in ("toe_week", "toe"))
     rows[:, 0] = APART * rows[:, names.index("prn")] + week + second / WEEK
+    return _ordered(str(lines.path), kind, rows, ionosphere, remarks)
+
+
+def joined(parts: Sequence[Orbits]) -> Orbits:
+    """The orbits of several files, as of neighbouring days, in one table; the ionosphere is that of the last one."""
+    known = [part.ionosphere for part in parts if part.ionosphere is not None]
+    return _ordered(
+        ", ".join(part.source for part in parts),
+        ", ".join(dict.fromkeys(part.kind for part in parts)),
+        np.concatenate([part.rows for part in parts]),
+        known[-1] if known else None,
+        [remark for part in parts for remark in part.remarks],
+    )
+
+
+def _ordered(source: str, kind: str, rows: np.ndarray, ionosphere: np.ndarray | None, remarks: Sequence[str]) -> Orbits:
+    names = [name for name, _ in COLUMNS]
     sent = rows[:, names.index("sent_week")] * WEEK + rows[:, names.index("sent")]
     rows = rows[np.lexsort((sent, rows[:, 0]))]
     last = np.append(np.diff(rows[:, 0]) > 0.0, True)
     if gone := int(np.count_nonzero(~last)):
-        remarks.append(f"{gone} orbit(s) of a satellite and a time that come again, sent later, are left out")
-    return Orbits(str(lines.path), kind, rows[last], ionosphere, tuple(remarks))
+        remarks = [
+            *remarks,
+            f"{gone} orbit(s) are left out: for the same time of the same satellite one was sent later",
+        ]
+    return Orbits(source, kind, rows[last], ionosphere, tuple(remarks))

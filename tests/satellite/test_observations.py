@@ -88,7 +88,7 @@ def changed(old, new, text=made.OBSERVED_3):
     ("text", "words"),
     [
         (made.OBSERVED_3[:-20], ["line 15", "D1C is '-1077.' in 14 columns", "three digits"]),
-        (made.OBSERVED_3[: made.OBSERVED_3.rindex("G05")], ["ends after 14 lines", "1 satellites of the epoch of line 14"]),
+        (made.OBSERVED_3[: made.OBSERVED_3.rindex("G05")], ["after 14 lines", "of the epoch of line 14"]),
         (changed("  0  3\n", "  0  4\n"), ["line 12", "'> 20'", "of the epoch of line 8"]),
         (changed("  0  3\n", "  0  2\n"), ["line 11", "begins with 'R07 '", "an epoch"]),
         (changed("     GPS  ", "     UTC  "), ["line 6", "system UTC", "18 s behind"]),
@@ -116,7 +116,7 @@ def changed(old, new, text=made.OBSERVED_3):
         (made.navigation_3(made.GLAB), ["type 'N: GNSS NAV DATA'"]),
         ("time,range\n0,1\n", ["line 1", "RINEX VERSION / TYPE"]),
         ("", ["ends after 0 lines"]),
-        (changed("G12G09G06R21", "G12G09G06R2", made.OBSERVED_2), ["line 7", "'22G'"]),
+        (changed("G12G09G06R21", "G12G09G06R2", made.OBSERVED_2), ["line 6", "one is '22G'"]),
         (made.OBSERVED_2[:-30], ["ends after", "satellites of the epoch"]),
         (changed("     6    C1", "     7    C1", made.OBSERVED_2), ["7 types", "there are 6"]),
     ],
