@@ -101,6 +101,16 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "nearest": 100.0,
         "highest_elevation": 1.4,
     },
+    "doppler_radar": {
+        **_NORTH,
+        **_LEVEL,
+        "altitude": 1500.0,
+        "over_water": True,
+        "wind_n": (3.0, -4.0, 0.5),
+        "scale_factor": 0.01,
+        "misalignment": (1e-3, -2e-3, 3e-3),
+        "bias": (0.1, 0.2, -0.1),
+    },
     "gps": {**_HERE, **_NORTH, **_LEVEL},
     "imu": {
         **_TRIADS,
@@ -128,6 +138,7 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "angle_quantum": 1e-5,
         "velocity_quantum": 1e-4,
     },
+    "loran": {**_HERE, **_NORTH, "cycle_slip": (1500.0, -300.0)},
     "magnetometer": {
         **_HERE,
         **_LEVEL,
@@ -142,7 +153,17 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "crust_decays": True,
         "resolution": 1e-8,
     },
+    "radar_fix": {**_HERE, "azimuth_shift": 0.01, "scan_period": 0.8, "scan_phase": 0.1, "arrival_phase": 0.4},
     "ring_laser": {"rate": (7e-5, -0.2, 1.0), "pulse": 1e-6},
+    "vor": {
+        **_HERE,
+        **_NORTH,
+        "course_shift": 0.01,
+        "station_count": 5,
+        "station_latitude": 0.6612,
+        "station_longitude": -2.1278,
+        "station_variation": 0.2,
+    },
     "weather": {
         **_NORTH,
         "temperature_mean": 5.0,

@@ -21,6 +21,10 @@ SENSORS = {
     "wind": 0.1,
     "gps": 1.0,
     "dme": 1.0,
+    "vor": 1.0,
+    "radar_fix": 4.8,
+    "doppler_radar": 1 / 7.5,
+    "loran": 1.0,
 }
 """Step of the master, s: one sample each."""
 WORK = (
