@@ -315,8 +315,15 @@ class Dme(stations.StationTable, Component):
         measured=Output(PLACES, kind="boolean", description="whether this range was measured at the time of validity"),
         description="DME ranges",
     )
-    phase = Output(PLACES, items=interrogator.Phase, kind="enumeration", description="what is done about each station")
-    interrogation_rate = Output(PLACES, "Hz", description="pulse pairs a second with which each station is asked")
+    phase = Output(
+        PLACES,
+        items=interrogator.Phase,
+        kind="enumeration",
+        description="what was done about each station in the last step",
+    )
+    interrogation_rate = Output(
+        PLACES, "Hz", description="pulse pairs a second with which each station was asked in it"
+    )
     answered_share = Output(PLACES, "1", description="share of interrogations that each station answers")
 
     bias = State(PLACES, "m", description="time-varying bias dR_b of each station (3.38)")
@@ -369,7 +376,7 @@ class Dme(stations.StationTable, Component):
         """Stations that are not behind terrain, seen from them at north, east, up, m."""
         places = np.arange(1.0, PLACES + 1.0)
         mask = self.terrain.around(station=places, azimuth=sight.azimuth(north, east)).bilinear()[:, 0]
-        return sight.apparent(sight.elevation(north, east, up), distance) >= mask
+        return sight.is_above(up, distance, np.maximum(mask - sight.bending(distance), -0.5 * np.pi))
 
     def select(self, line, inside, admitted):
         """Stations that take turns from now on; ``line`` from each to the aircraft in e."""
@@ -393,8 +400,8 @@ class Dme(stations.StationTable, Component):
         inside = (true_range <= reach) & self.visible(north, east, up, true_range)
 
         # whom to ask
-        not_above = sight.elevation(north, east, up) <= self.highest_elevation
-        admitted = (np.arange(PLACES) < self.station_count) & not_above & (true_range >= self.nearest)
+        too_high = sight.is_above(up, true_range, self.highest_elevation)
+        admitted = (np.arange(PLACES) < self.station_count) & (true_range >= self.nearest) & ~too_high
         self.selected = self.select(line, inside, admitted)
         asked, due = schedule.asked(self.time, self.period, self.mode, self.interval, dwell, self.selected)
         rate = interrogator.rate(asked, self.tracking, self.searching, self.lock_in)
@@ -419,15 +426,16 @@ class Dme(stations.StationTable, Component):
         normal, replies = noise(PLACES), noise(PLACES)
         path = distance + transponder.range_of(delay) + self.echo
         gated = interrogator.in_gate(path, self.followed, self.gate, self.silent + self.period)
-        kept = gauss_markov.decay(self.period, self.reply_window)
-        self.luck = gauss_markov.advance(self.luck, kept, gauss_markov.drive(1.0, kept), replies)
+        phi = gauss_markov.decay(self.period, self.reply_window)
+        self.luck = gauss_markov.advance(self.luck, phi, gauss_markov.drive(1.0, phi), replies)
         replied = interrogator.replied(self.answered_share, self.interrogation_rate, self.reply_window, self.luck)
         enough = (replied >= self.least_replies) & (self.answered_share > 0.0)
         answered = asked & enough & np.isfinite(path) & (gated | (self.tracking <= 0.0))
         self.silent = np.where(answered, 0.0, self.silent + self.period)
         waiting = ~answered & interrogator.remembered(asked, self.tracking, self.silent, self.lock_in, self.memory_time)
-        self.tracking = interrogator.tracking_time(self.tracking, answered | waiting, self.period)
-        self.phase = interrogator.phase(asked, self.tracking, waiting, self.lock_in)
+        kept = answered | waiting
+        self.phase = interrogator.phase(asked, self.tracking, kept, waiting, self.lock_in)
+        self.tracking = interrogator.tracking_time(self.tracking, kept, self.period)
         self.searching = np.where(self.phase == interrogator.Phase.SEARCH, self.searching + self.period, 0.0)
         self.followed = np.where(answered, path, self.followed)
 

@@ -63,7 +63,10 @@ def remembered(interrogated, tracking, silent, lock_in, memory):
     return interrogated & (tracking >= lock_in - 1.0e-6) & (silent <= memory + 1.0e-9)
 
 
-def phase(interrogated, tracking, waiting, lock_in):
-    """Phase of each station after a step."""
-    locked = np.where(waiting, Phase.MEMORY, np.where(tracking >= lock_in - 1.0e-6, Phase.TRACK, Phase.SEARCH))
-    return np.where(interrogated, locked, Phase.IDLE)
+def phase(interrogated, before, kept, waiting, lock_in):
+    """What was done about each station in a step: ``before`` for how long it had been tracked, s, and whether it was
+    ``kept``, ``waiting`` for replies or not."""
+    locked = kept & (before >= lock_in - 1.0e-6)
+    return np.where(
+        interrogated, np.where(waiting, Phase.MEMORY, np.where(locked, Phase.TRACK, Phase.SEARCH)), Phase.IDLE
+    )

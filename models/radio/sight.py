@@ -21,9 +21,10 @@ def in_n(latitude, longitude, vectors):
     return north, east, cos_lat * outward + sin_lat * vectors[2]
 
 
-def elevation(north, east, up):
-    """Angle above the level of the station, rad."""
-    return np.arctan2(up, np.sqrt(north * north + east * east))
+def is_above(up, distance, angle):
+    """Whether an aircraft that is ``up`` m over the level of a station at ``distance`` m is higher than ``angle``,
+    rad, -pi/2 to pi/2. None is higher than pi/2."""
+    return up > distance * np.sin(angle) * (1.0 + 1.0e-12)
 
 
 def azimuth(north, east):
@@ -32,10 +33,10 @@ def azimuth(north, east):
     return np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
 
 
-def apparent(angle, distance):
-    """Elevation in rad at which rays that are bent as over an earth of 4/3 radius arrive from ``distance``, m.
+def bending(distance):
+    """Angle in rad by which rays, bent as over an earth of 4/3 radius, arrive from above the straight line.
 
-    Over a sphere of radius R an aircraft at height h is h / d - d / (2 R) above the level; so rays arrive higher by
+    Over a sphere of radius R an aircraft at height h and ``distance`` d is h / d - d / (2 R) above the level; so it is
     d (1 / R - 3 / (4 R)) / 2.
     """
-    return angle + distance * (1.0 / EARTH_RADIUS - 1.0 / RADIO_EARTH_RADIUS) / 2.0
+    return distance * (1.0 / EARTH_RADIUS - 1.0 / RADIO_EARTH_RADIUS) / 2.0

@@ -76,9 +76,9 @@ def test_it_acts_at_once_on_one_station_and_leaves_nothing_behind(native, name):
 
 def test_f27_f33_a_silent_station_is_searched_for():
     for fault in (("station_off", FIRST), ("replies_lost", 0.95 * FIRST), ("traffic", 2000.0 * FIRST)):
-        assert phases(fault) == ("S" * 20, "SSS" + "T" * 17)
+        assert phases(fault) == ("S" * 20, "SSSS" + "T" * 16)
         remembered = phases(fault, {"memory_time": 10.0})
-        assert remembered == ("M" * 10 + "S" * 10, "SSS" + "T" * 17)
+        assert remembered == ("M" * 10 + "S" * 10, "SSSS" + "T" * 16)
 
 
 def test_f28_a_station_is_lost_below_the_horizon(native):
