@@ -238,6 +238,7 @@ class GpsSolver(Component):
         travel = sight.travel_time(place, satellite_e)
         velocity_n, drift = least_squares.velocity(
             found.unit_e,
+            place,
             sight.turned(s.satellite_velocity_e, travel),
             s.range_rate + sight.SPEED_OF_LIGHT * s.satellite_clock_rate,
             found.h,

@@ -87,7 +87,7 @@ def step(position_e, clock, measured, weight):
     return position_e + moved[:3] @ rotation, clock + moved[3]
 
 
-def velocity(unit_e, satellite_velocity_e, range_rate, h, weight, rotation):
+def velocity(unit_e, position_e, satellite_velocity_e, range_rate, h, weight, rotation):
     """Velocity in n, m/s, and rate of the clock, m/s, from rates of the pseudoranges, m/s, free of satellite clocks.
 
     ``h`` and ``weight`` are those of the position; what has a weight counts as much as any other, for orbits and
@@ -101,7 +101,7 @@ def velocity(unit_e, satellite_velocity_e, range_rate, h, weight, rotation):
     p = covariance(h, weight)
     velocity_n, drift = np.zeros(3), 0.0
     for _ in range(2):
-        left = range_rate - sight.range_rates(unit_e, velocity_n @ rotation, satellite_velocity_e) - drift
+        left = range_rate - sight.range_rates(unit_e, position_e, velocity_n @ rotation, satellite_velocity_e) - drift
         moved = estimate(p, h, weight, np.concatenate([left, np.array([velocity_n[2]])]))
         velocity_n, drift = velocity_n + moved[:3], drift + moved[3]
     return velocity_n, drift

@@ -41,15 +41,17 @@ def ranges(position_e, satellite_e):
     return distance, line / distance[:, None]
 
 
-def range_rates(unit_e, velocity_e, satellite_velocity_e):
-    """Rates of the distances, m/s: how fast satellites go away along ``unit_e``.
+def range_rates(unit_e, position_e, velocity_e, satellite_velocity_e):
+    """Rates of the distances of a receiver at ``position_e``, m/s, exact to 1e-5 of a mm/s.
 
     ``satellite_velocity_e`` has been turned into e of reception. The signal of a satellite that goes away left ever
-    earlier, so its own part is smaller by the rate over the speed of light; it is 2 mm/s at most.
+    earlier, so the way that it goes itself, with respect to inertial space, is less by the rate over the speed of
+    light: some mm/s.
     """
     away = np.sum(unit_e * satellite_velocity_e, axis=1)
+    turning = EARTH_RATE * (unit_e[:, 1] * position_e[0] - unit_e[:, 0] * position_e[1])
     own = np.sum(unit_e * velocity_e, axis=1)
-    return (away - own) / (1.0 + away / SPEED_OF_LIGHT)
+    return (away - own) / (1.0 + (away + turning) / SPEED_OF_LIGHT)
 
 
 def elevation_azimuth(unit_e, latitude, longitude):

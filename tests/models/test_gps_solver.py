@@ -1,0 +1,256 @@
+"""Positions of made pseudoranges: anywhere on the earth, with few satellites, wrong ones, and none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pymap3d
+import pytest
+from scipy import stats
+
+from fmus.satellite.gps_solver import GpsSolver
+from fmus.satellite.signals import PLACES
+from models.satellite import differential, dilution, protection_level
+from tests.models.made_signals import LIGHT, Place, signals
+from tests.models.native import Native
+
+REALS = [
+    "fix.latitude", "fix.longitude", "fix.altitude", "fix.velocity_n", "fix.time_of_validity", "clock_bias",
+    "clock_drift", "pdop", "gdop", "hdop", "squares", "threshold", "horizontal_protection", "vertical_protection",
+    "horizontal_sigma", "vertical_sigma", "residual",
+]  # fmt: skip
+BARE = {"ionosphere": 2, "troposphere": 3, "tick_period": 1.0}
+"""No atmosphere, as the made signals have none."""
+
+
+@pytest.fixture(scope="module")
+def solver(tmp_path_factory):
+    return Native(GpsSolver, tmp_path_factory.mktemp("solver"))
+
+
+def solve(solver: Native, *epochs: dict[str, Any], **parameters: Any) -> dict[str, Any]:
+    """Outputs after one fix of each of the epochs."""
+    found = solver.run(
+        len(epochs),
+        1.0,
+        REALS,
+        {**BARE, **parameters},
+        lambda t: {**epochs[round(t)], "signals.sequence": round(t) + 1},
+    )
+    found = {name: values[-1] for name, values in found.items()}
+    for name in ("fix.valid", "detected", "alarm", "used", "excluded"):
+        field = solver.fields[name]
+        got = solver.fmu.getBoolean(list(range(field.index, field.index + field.size)))
+        found[name] = np.array(got, bool) if field.shape else bool(got[0])
+    found["satellites"] = solver.fmu.getInteger([solver.fields["satellites"].index])[0]
+    found["sequence"] = solver.fmu.getInteger([solver.fields["fix.sequence"].index])[0]
+    return found
+
+
+def error(found: dict[str, Any], place: Place) -> np.ndarray:
+    """Position error, m."""
+    got = pymap3d.geodetic2ecef(found["fix.latitude"], found["fix.longitude"], found["fix.altitude"], deg=False)
+    return np.linalg.norm(np.array(got) - place.position_e)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        Place(),
+        Place(0.0, 0.0, 0.0, (0.0, 250.0, 0.0)),
+        Place(1.5, 3.1, 1.2e4, (100.0, -200.0, -30.0)),
+        Place(-1.0, -0.3, -50.0, (-5.0, 3.0, 1.0)),
+    ],
+)
+def test_a_first_fix_is_exact_anywhere(solver, place):
+    """From nothing, a clock off by 1 ms, drifting by 1e-7. Without the earth's turning meanwhile it is 20 m off, and
+    without the time of travel that changes meanwhile 1 mm/s too fast."""
+    found = solve(solver, signals(place, 10, clock=1e-3, drift=1e-7))
+    assert found["fix.valid"]
+    assert error(found, place) < 1e-3
+    np.testing.assert_allclose(found["fix.velocity_n"], place.velocity_n, atol=2e-4)
+    assert found["clock_bias"] * LIGHT == pytest.approx(1e-3 * LIGHT, abs=1e-3)
+    assert found["clock_drift"] * LIGHT == pytest.approx(1e-7 * LIGHT, abs=2e-4)
+    assert found["fix.time_of_validity"] == 0.25
+    assert found["satellites"] == 10
+    assert found["squares"] < 1e-6
+
+
+def test_a_fix_after_another_one_is_as_exact_after_ten_kilometres(solver):
+    near, far = Place(0.66), Place(0.6616, -2.101, 2500.0)
+    assert error(solve(solver, signals(near, 10), signals(far, 10)), far) < 1e-3
+
+
+def test_twenty_four_satellites_fit(solver):
+    found = solve(solver, signals(Place(), PLACES))
+    assert found["satellites"] == PLACES
+    assert error(found, Place()) < 1e-3
+
+
+def test_dilution_and_sigma_are_those_of_numpy(solver):
+    """Of sight lines by pymap3d; with equal sigmas of 5 m the horizontal one is 5 HDOP."""
+    made = signals(Place(), 7)
+    found = solve(solver, made, equal_sigma=5.0)
+    sight = made["signals.satellite_e"][:7] - Place().position_e
+    sight /= np.linalg.norm(sight, axis=1, keepdims=True)
+    east, north, up = pymap3d.ecef2enuv(*sight.T, 0.66, -2.1, deg=False)
+    h = np.stack([-east, -north, -up, np.ones(7)], axis=1)
+    q = np.linalg.inv(h.T @ h)
+    assert found["pdop"] == pytest.approx(np.sqrt(np.trace(q[:3, :3])), rel=1e-4)
+    assert found["hdop"] == pytest.approx(np.sqrt(np.trace(q[:2, :2])), rel=1e-4)
+    assert found["horizontal_sigma"] == pytest.approx(5.0 * found["hdop"], rel=1e-9)
+
+
+@pytest.mark.parametrize("bias", [60.0, -300.0, 5000.0])
+def test_a_wrong_satellite_is_left_out(solver, bias):
+    """F35: detected, excluded and the position as without it, whichever it is."""
+    for wrong in (0, 4, 8):
+        made = signals(Place(), 9)
+        made["signals.pseudorange"][wrong] += bias
+        found = solve(solver, made)
+        assert found["detected"]
+        assert not found["alarm"]
+        np.testing.assert_array_equal(np.flatnonzero(found["excluded"]), [wrong])
+        assert found["satellites"] == 8
+        assert error(found, Place()) < 2e-3
+
+
+def test_two_wrong_satellites_need_two_exclusions(solver):
+    made = signals(Place(), 10)
+    made["signals.pseudorange"][[2, 5]] += (400.0, -250.0)
+    assert not solve(solver, made)["fix.valid"]
+    found = solve(solver, made, exclusions=2)
+    assert found["fix.valid"]
+    np.testing.assert_array_equal(np.flatnonzero(found["excluded"]), [2, 5])
+    assert error(found, Place()) < 1e-3
+
+
+def test_with_five_satellites_nobody_knows_which(solver):
+    """The alarm stays, no fix is valid, and the last good one is held; told to go on, it shows the wrong one."""
+    good, bad = signals(Place(), 5), signals(Place(), 5)
+    bad["signals.pseudorange"][1] += 500.0
+    found = solve(solver, good, bad)
+    assert found["alarm"]
+    assert not found["fix.valid"]
+    assert found["sequence"] == 2
+    assert error(found, Place()) < 1e-3
+    assert not np.any(found["excluded"])
+    wrong = solve(solver, good, bad, withhold=False)
+    assert wrong["fix.valid"]
+    assert error(wrong, Place()) > 50.0
+
+
+def test_four_satellites_protect_nothing(solver):
+    """There is a position, and no test of it: a bias goes in, and the protection level says so."""
+    made = signals(Place(), 4, seed=5)
+    found = solve(solver, made)
+    assert found["fix.valid"]
+    assert found["threshold"] == 0.0
+    assert found["horizontal_protection"] == found["vertical_protection"] == protection_level.NONE
+    assert error(found, Place()) < 1e-3
+
+
+def test_three_satellites_have_no_fix_without_an_altitude(solver):
+    found = solve(solver, signals(Place(), 6), signals(Place(), 3))
+    assert not found["fix.valid"]
+    assert found["pdop"] == dilution.NONE
+    assert found["horizontal_sigma"] == protection_level.NONE
+    assert error(found, Place()) < 1e-3  # that of before
+
+
+def test_three_satellites_and_an_altitude_have_one(solver):
+    """From nothing. An altitude that is 100 m too high makes the position 100 m too high."""
+    for height in (1500.0, 1600.0):
+        made = signals(Place(velocity_n=(50.0, 20.0, 0.0)), 3, clock=1e-4, seed=5)
+        made |= {"altitude.height": height, "altitude.valid": True}
+        found = solve(solver, made)
+        assert found["fix.valid"]
+        assert found["fix.altitude"] == pytest.approx(height, abs=1e-3)
+        if height == 1500.0:
+            assert error(found, Place()) < 1e-3
+            np.testing.assert_allclose(found["fix.velocity_n"], (50.0, 20.0, 0.0), atol=2e-4)
+
+
+def test_an_altitude_is_not_asked_where_four_satellites_are(solver):
+    made = signals(Place(), 6) | {"altitude.height": 0.0, "altitude.valid": True}
+    assert error(solve(solver, made), Place()) < 1e-3
+    always = solve(solver, made, altitude_below=PLACES + 1, altitude_sigma=0.1, exclusions=0, withhold=False)
+    assert always["alarm"]
+    assert always["fix.altitude"] == pytest.approx(0.0, abs=10.0)
+
+
+def test_channels_limit_what_is_used(solver):
+    """Four of ten, which lie well."""
+    made = signals(Place(), 10)
+    found = solve(solver, made, channels=4)
+    assert found["satellites"] == 4
+    assert error(found, Place()) < 1e-3
+    assert found["gdop"] < 5.0
+
+
+def test_what_is_low_weak_or_no_number_is_not_used(solver):
+    made = signals(Place(), 10, lowest=2.0)
+    made["signals.signal_to_noise"][0] = 20.0
+    made["signals.pseudorange"][1] = np.nan
+    made["signals.satellite_e"][2, 1] = np.inf
+    made["signals.tracked"][3] = 0
+    found = solve(solver, made, signal_mask=25.0, elevation_mask=0.0)
+    np.testing.assert_array_equal(np.flatnonzero(found["used"]), np.arange(4, 10))
+    assert error(found, Place()) < 1e-3
+    high = solve(solver, signals(Place(), 20, lowest=2.0), elevation_mask=0.5)
+    assert 4 <= high["satellites"] < 16
+
+
+def test_geometry_that_is_too_poor_is_no_fix(solver):
+    found = solve(solver, signals(Place(), 8), pdop_limit=1.05)
+    assert not found["fix.valid"]
+
+
+def test_differential_corrections_take_out_what_two_receivers_share(solver):
+    """Errors of 30 m on each satellite, and a station 20 km away that finds them: less than 0.1 m is left.
+
+    Applied to the wrong receiver, or with the atmosphere modelled once more, metres are left.
+    """
+    shared = 30.0 * np.random.default_rng(4).standard_normal(8)
+    station, rover = Place(0.663, -2.1, 100.0), Place()
+    # both see the same satellites, taken from the sky of the rover
+    made = signals(rover, 8, clock=2e-4)
+    satellite_e = made["signals.satellite_e"][:8]
+    # range of the station by the earth's turning in the time of travel
+    distance = []
+    for x in satellite_e:
+        travel = np.linalg.norm(x - station.position_e) / LIGHT
+        angle = 7.2921151467e-5 * travel
+        turned = np.array([x[0] + angle * x[1], x[1] - angle * x[0], x[2]])
+        distance.append(np.linalg.norm(turned - station.position_e))
+    whole = np.zeros(PLACES)
+    whole[:8] = np.array(distance) + shared + 5000.0
+    correction = differential.corrections(station.position_e, made["signals.satellite_e"], whole, np.arange(PLACES) < 8)
+    made["signals.pseudorange"][:8] += shared
+    without = solve(solver, made, exclusions=0, withhold=False)
+    assert error(without, rover) > 5.0
+    made |= {"signals.correction": correction, "signals.corrected": np.ones(PLACES)}
+    found = solve(solver, made, ionosphere=1, troposphere=1)
+    assert found["fix.valid"]
+    assert error(found, rover) < 0.1
+
+
+def test_alarms_come_as_often_as_they_are_allowed(solver):
+    """4000 epochs of noise with equal sigmas at 1e-2 in the FMU itself: binomial bounds at 1e-6."""
+    rng = np.random.default_rng(9)
+    made = signals(Place(), 8)
+    clean = made["signals.pseudorange"].copy()
+    names = [f"signals.{name}" for name in ("pseudorange", "sequence")]
+
+    def inputs(t):
+        noisy = clean.copy()
+        noisy[:8] += 5.0 * rng.standard_normal(8)
+        fresh = dict(zip(names, (noisy, round(t) + 1), strict=True))
+        return fresh if t > 0 else {**made, **fresh}
+
+    found = solver.run(4000.0, 1.0, ["squares", "threshold"], {**BARE, "equal_sigma": 5.0, "false_alarm": 1e-2}, inputs)
+    count = np.count_nonzero(found["squares"][1:] > found["threshold"][1:])
+    assert found["threshold"][-1] == pytest.approx(stats.chi2.isf(1e-2, 4), rel=1e-9)
+    low, high = stats.binom.ppf([5e-7, 1 - 5e-7], 4000, 1e-2)
+    assert low <= count <= high
