@@ -22,6 +22,7 @@ SENSORS = (
     "navaids",
     "replay",
     "ring_laser",
+    "satellites",
     "wind",
 )
 """The modules, each with a function ``run(out) -> Section`` that writes ``out/sensors/NAME.png``."""
