@@ -16,6 +16,7 @@ SENSORS = (
     "air_data",
     "at_rest",
     "azimuth_detector",
+    "dme",
     "imu",
     "increments",
     "magnetometer",

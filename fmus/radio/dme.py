@@ -355,6 +355,12 @@ class Dme(stations.StationTable, Component):
         around = (azimuths[0, 0] <= 0.0) & (azimuths[1, 1] >= 2.0 * np.pi - 1e-6)
         return around & (stations[0, 0] <= 1.0) & (stations[1, 1] >= PLACES)
 
+    @require("terrain has masks of more than pi/2 rad in size; expected elevations in rad, not degrees")
+    def terrain_is_in_rad(self):
+        stations, azimuths = np.meshgrid(np.arange(1.0, PLACES + 1.0), np.radians(np.arange(0.0, 360.0, 10.0)))
+        masks = self.terrain.around(station=stations.ravel(), azimuth=azimuths.ravel()).bilinear()
+        return np.all(np.abs(masks) <= 0.5 * np.pi + 1e-9)
+
     @start
     def draw_biases(self, noise):
         self.station_bias = gauss_markov.stationary(self.bias_sigma, noise(PLACES))

@@ -248,6 +248,19 @@ def test_terrain_that_does_not_reach_around_is_refused(stations, azimuths):
         interpret(Short)
 
 
+def test_terrain_in_degrees_is_refused():
+    class Degrees(Dme):
+        """With a mask of 4 degrees, which are not 4 rad."""
+
+        terrain = type(Dme.terrain)(
+            axes=(("station", "1", np.arange(1.0, 6.0)), ("azimuth", "rad", np.radians([0.0, 100.0, 360.0]))),
+            surfaces=(("mask", "rad", np.outer(np.ones(5), [0.0, 4.0, 0.0])),),
+        )
+
+    with pytest.raises(NavfmuError, match="terrain has masks of more than pi/2 rad in size; expected elevations in"):
+        interpret(Degrees)
+
+
 # --- errors ----------------------------------------------------------------------------------------------------------
 
 
