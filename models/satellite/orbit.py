@@ -40,26 +40,37 @@ def state(ephemeris, week, second):
     return state_at(ephemeris, anomaly(ephemeris, week, second), week, second)
 
 
+def both(one, other):
+    """Sine and cosine of the sum of two angles of which they are known."""
+    (s, c), (sine, cosine) = one, other
+    return s * cosine + c * sine, c * cosine - s * sine
+
+
 def state_at(ephemeris, anomaly, week, second):
-    """The same where ``anomaly`` = (E_k, its rate) is known."""
+    """The same where ``anomaly`` = (E_k, its rate) is known.
+
+    Angles between the eccentric anomaly and the argument of latitude are sines and cosines, which cost less than the
+    angles; the correction of the argument is below 2e-4, and two terms of its series are enough.
+    """
     o, (eccentric, eccentric_rate) = ephemeris, anomaly
     t = elapsed(week, second, o.toe_week, o.toe)
     a, e = o.semi_major_axis, o.eccentricity
     sine, cosine = np.sin(eccentric), np.cos(eccentric)
     flat = np.sqrt(1.0 - e * e)
-    true_anomaly = np.arctan2(flat * sine, cosine - e)
-    phi = true_anomaly + o.perigee
-    phi_rate = flat * eccentric_rate / (1.0 - e * cosine)
-    s2, c2 = np.sin(2.0 * phi), np.cos(2.0 * phi)
+    share = 1.0 - e * cosine
+    true_anomaly = flat * sine / share, (cosine - e) / share
+    phi = both(true_anomaly, (np.sin(o.perigee), np.cos(o.perigee)))
+    phi_rate = flat * eccentric_rate / share
+    s2, c2 = both(phi, phi)
     # argument of latitude, radius, inclination: second harmonic corrections
-    u = phi + o.cus * s2 + o.cuc * c2
-    r = a * (1.0 - e * cosine) + o.crs * s2 + o.crc * c2
+    du = o.cus * s2 + o.cuc * c2
+    r = a * share + o.crs * s2 + o.crc * c2
     i = o.inclination + o.inclination_rate * t + o.cis * s2 + o.cic * c2
     u_rate = phi_rate * (1.0 + 2.0 * (o.cus * c2 - o.cuc * s2))
     r_rate = a * e * sine * eccentric_rate + 2.0 * phi_rate * (o.crs * c2 - o.crc * s2)
     i_rate = o.inclination_rate + 2.0 * phi_rate * (o.cis * c2 - o.cic * s2)
     # in the plane of the orbit
-    su, cu = np.sin(u), np.cos(u)
+    su, cu = both(phi, (du - du * du * du / 6.0, 1.0 - 0.5 * du * du))
     x, y = r * cu, r * su
     x_rate, y_rate = r_rate * cu - y * u_rate, r_rate * su + x * u_rate
     # into e
