@@ -17,6 +17,7 @@ SENSORS = (
     "at_rest",
     "azimuth_detector",
     "dme",
+    "gps_solver",
     "imu",
     "increments",
     "magnetometer",

@@ -42,7 +42,7 @@ def ranges(position_e, satellite_e):
 
 
 def range_rates(unit_e, position_e, velocity_e, satellite_velocity_e):
-    """Rates of the distances of a receiver at ``position_e``, m/s, exact to 1e-5 of a mm/s.
+    """Rates of the distances of a receiver at ``position_e``, m/s, exact to 0.01 mm/s.
 
     ``satellite_velocity_e`` has been turned into e of reception. The signal of a satellite that goes away left ever
     earlier, so the way that it goes itself, with respect to inertial space, is less by the rate over the speed of
