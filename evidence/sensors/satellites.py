@@ -106,8 +106,8 @@ def states(rows: np.ndarray, folder: Path) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "usable": usable & (one.issue == told["iode"]),
-            "position": 1e3 * np.max(np.abs(position.T - told[["sat_x", "sat_y", "sat_z"]].to_numpy()), axis=1),
-            "velocity": 1e3 * np.max(np.abs(velocity.T - told[["sat_vx", "sat_vy", "sat_vz"]].to_numpy()), axis=1),
+            "position": 1e3 * np.max(np.abs(position - told[["sat_x", "sat_y", "sat_z"]].to_numpy()), axis=1),
+            "velocity": 1e3 * np.max(np.abs(velocity - told[["sat_vx", "sat_vy", "sat_vz"]].to_numpy()), axis=1),
             "clock": 1e3 * np.abs(clock - (theirs - told["c1c_m"])),
         }
     )
@@ -121,7 +121,7 @@ def almanac(folder: Path) -> float:
     second = told["tow_s"].to_numpy(float)
     one, _ = used(rows, told["prn"].to_numpy(float), week, second)
     position, _ = orbit.state(one, week, second)
-    return 1e3 * float(np.max(np.abs(position.T - told[["x_m", "y_m", "z_m"]].to_numpy())))
+    return 1e3 * float(np.max(np.abs(position - told[["x_m", "y_m", "z_m"]].to_numpy())))
 
 
 def precise(rows: np.ndarray, folder: Path, future: bool) -> pd.DataFrame:
@@ -130,23 +130,21 @@ def precise(rows: np.ndarray, folder: Path, future: bool) -> pd.DataFrame:
     for second, prn, position, clock in read_precise(folder / "GRG0MGXFIN_20201770000_01D_15M_ORB.SP3.gz"):
         one, usable = used(rows, prn, 2111.0, second, future)
         ours, velocity = orbit.state(one, 2111.0, second)
-        inertial = velocity + np.cross([0.0, 0.0, orbit.EARTH_RATE], position.T).T
-        radial = position / np.linalg.norm(position, axis=0)
-        cross = np.cross(position, inertial, axis=0)
-        cross = cross / np.linalg.norm(cross, axis=0)
-        axes = {"radial": radial, "along": np.cross(cross, radial, axis=0), "cross": cross}
+        radial = _unit(position)
+        cross = _unit(np.cross(position, velocity + np.cross([0.0, 0.0, orbit.EARTH_RATE], position)))
+        axes = {"radial": radial, "along": np.cross(cross, radial), "cross": cross}
         told, _ = satellite_clock.polynomial(one, 2111.0, second)  # both leave the relativistic term to the receiver
         off = LIGHT * (told - clock)
         table = pd.DataFrame({"hour": (second - 345600.0) / 3600.0, "prn": prn})
         for name, axis in axes.items():
-            table[name] = np.sum((ours - position) * axis, axis=0)
+            table[name] = np.sum((ours - position) * axis, axis=1)
         table["clock"] = off - np.median(off[usable])
         found.append(table[usable])
     return pd.concat(found, ignore_index=True)
 
 
 def read_precise(path: Path) -> list[tuple[float, np.ndarray, np.ndarray, np.ndarray]]:
-    """Second of the week, satellites of GPS, positions (3, n) in m and clocks (s) of a file of format SP3."""
+    """Second of the week, satellites of GPS, positions (n, 3) in m and clocks (s) of a file of format SP3."""
     found = []
     for line in gzip.decompress(path.read_bytes()).decode().splitlines():
         if line.startswith("*"):
@@ -160,7 +158,7 @@ def read_precise(path: Path) -> list[tuple[float, np.ndarray, np.ndarray, np.nda
 
 
 def _columns(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return rows[:, 0], rows[:, 1:4].T, rows[:, 4]
+    return rows[:, 0], rows[:, 1:4], rows[:, 4]
 
 
 def dilutions(text: str) -> pd.DataFrame:
@@ -189,13 +187,16 @@ def dilution(latitude: float, longitudes: np.ndarray, mask: float, step: float) 
         up, east, north = _axes(latitude, longitude)
         place = earth.to_ecef(latitude, longitude, 0.0)
         for t in np.arange(0.0, 86400.0, step):
-            sight = orbit.state(one, week, second + t)[0] - place[:, None]
-            sight = sight / np.linalg.norm(sight, axis=0)
-            sight = sight[:, up @ sight > np.sin(mask)]
-            rows = np.stack([east @ sight, north @ sight, up @ sight, np.ones(sight.shape[1])], -1)
+            sight = _unit(orbit.state(one, week, second + t)[0] - place)
+            sight = sight[sight @ up > np.sin(mask)]
+            rows = np.stack([sight @ east, sight @ north, sight @ up, np.ones(len(sight))], -1)
             e, n, u, time = np.diag(np.linalg.inv(rows.T @ rows))
             found.append(np.sqrt([e + n, u, e + n + u, time]))
     return np.array(found).T
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
 
 
 def _axes(latitude: float, longitude: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

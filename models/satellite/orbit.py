@@ -33,7 +33,7 @@ def anomaly(ephemeris, week, second):
 
 
 def state(ephemeris, week, second):
-    """Position (m) and velocity (m/s) in e, each (3, ...): table 20-IV, parts 1 to 3.
+    """Position (m) and velocity (m/s) in e, each (..., 3): table 20-IV, parts 1 to 3.
 
     Velocity is the derivative of the position with respect to time in the turning frame e.
     """
@@ -78,12 +78,10 @@ def state_at(ephemeris, anomaly, week, second):
     node = o.node + node_rate * t - EARTH_RATE * o.toe
     so, co, si, ci = np.sin(node), np.cos(node), np.sin(i), np.cos(i)
     across, across_rate = y * ci, y_rate * ci - y * si * i_rate
-    position = np.stack([x * co - across * so, x * so + across * co, y * si])
-    velocity = np.stack(
-        [
-            x_rate * co - across_rate * so - position[1] * node_rate,
-            x_rate * so + across_rate * co + position[0] * node_rate,
-            y_rate * si + y * ci * i_rate,
-        ]
+    x_e, y_e, z_e = x * co - across * so, x * so + across * co, y * si
+    velocity = (
+        x_rate * co - across_rate * so - y_e * node_rate,
+        x_rate * so + across_rate * co + x_e * node_rate,
+        y_rate * si + y * ci * i_rate,
     )
-    return position, velocity
+    return np.stack([x_e, y_e, z_e], axis=-1), np.stack(velocity, axis=-1)

@@ -69,5 +69,5 @@ def test_a_made_file_of_precise_orbits(tmp_path):
     path.write_bytes(gzip.compress(text.encode()))
     ((second, prn, position, clock),) = satellites.read_precise(path)
     assert second == 345600.0 + 4500.0 and prn.tolist() == [5.0]
-    np.testing.assert_allclose(position[:, 0], [-11562163.582, 14053114.306, 23345128.269])
+    np.testing.assert_allclose(position[0], [-11562163.582, 14053114.306, 23345128.269])
     np.testing.assert_allclose(clock, [-884.707516e-6])

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from models.earth import earth
-from models.satellite import gps_time, kepler, orbit, satellite_clock, selection, slots
+from models.satellite import broadcast, gps_time, kepler, orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu.export import Component, Output, Parameter, Table, every
 from navfmu.satellite import orbits as files
@@ -114,21 +114,51 @@ def test_sending_time_is_that_of_the_signal(published):
     assert satellite_clock.sending_time(one, week, received, pseudorange) == pytest.approx(sent, abs=5e-11)
 
 
+def test_a_signal_is_sent_when_it_is_received_less_its_way():
+    """To a receiver in Esbjerg from all satellites of the slots: the way that it took, by the satellite then and an
+    earth that turns, is as long as its time times c to 0.03 mm where
+    the satellite is above the horizon; without the turn of the earth it is 19 m off, with the
+    satellite of the reception 49 m."""
+    o = Ephemeris.of(slots.constellation())._replace(clock_bias=np.linspace(-1e-3, 1e-3, 24), group_delay=5e-9)
+    place, (week, second) = earth.to_ecef(0.9685, 0.1476, 60.0), slots.EPOCH
+    time = broadcast.travel(o, week, second, place)
+    assert np.all(time > 0.067)
+    seen = time < 0.0867
+    assert np.count_nonzero(seen) > 6
+    then = second - time
+    position, velocity, clock, rate = broadcast.at(o, week, then)
+    angle = -orbit.EARTH_RATE * time
+    inertial = np.stack(
+        [
+            np.cos(angle) * position[:, 0] - np.sin(angle) * position[:, 1],
+            np.sin(angle) * position[:, 0] + np.cos(angle) * position[:, 1],
+            position[:, 2],
+        ],
+        -1,
+    )
+    way = np.linalg.norm(inertial - place, axis=1)
+    np.testing.assert_allclose(satellite_clock.LIGHT_SPEED * time[seen], way[seen], rtol=0, atol=4e-5)
+    pseudorange = satellite_clock.LIGHT_SPEED * (time - satellite_clock.error(o, week, then)[0])
+    for told, true in zip(broadcast.sent(o, week, second, pseudorange), (position, velocity, clock, rate), strict=True):
+        np.testing.assert_allclose(told, true, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(clock, np.linspace(-1e-3, 1e-3, 24) - 5e-9, rtol=0, atol=1e-12)
+
+
 def test_slots_are_a_nominal_constellation():
     """Six planes of four, 60 degrees apart, 55 degrees steep; two turns in a sidereal day within 10 s. The poles are
     those of velocity and position, with planes that do not turn: so they tell of signs and frames, too."""
     o = Ephemeris.of(slots.constellation())._replace(node_rate=np.zeros(24))
     week, second = slots.EPOCH
     position, velocity = orbit.state(o, week, second)
-    np.testing.assert_allclose(np.linalg.norm(position, axis=0), 26559700.0, rtol=1e-12)
-    inertial = velocity + np.cross([0, 0, orbit.EARTH_RATE], position, axisb=0).T
-    pole = np.cross(position, inertial, axis=0) / np.linalg.norm(np.cross(position, inertial, axis=0), axis=0)
+    np.testing.assert_allclose(np.linalg.norm(position, axis=1), 26559700.0, rtol=1e-12)
+    pole = np.cross(position, velocity + np.cross([0, 0, orbit.EARTH_RATE], position)).T
+    pole = pole / np.linalg.norm(pole, axis=0)
     np.testing.assert_allclose(np.arccos(pole[2]), np.radians(55.0), rtol=0, atol=1e-6)
     node = np.degrees(np.arctan2(pole[0], -pole[1])) + slots.HOUR_ANGLE
     planes = np.round(np.mod(node, 360.0), 3).reshape(6, 4)
     np.testing.assert_allclose(planes, np.mod(272.847 + 60.0 * np.arange(6), 360.0)[:, None] * np.ones(4), atol=2e-3)
     assert 2.0 * np.pi / orbit.mean_motion(o)[0] == pytest.approx(43082.045, abs=10.0)
-    latitude = np.arcsin(position[2] / 26559700.0 / np.sin(np.radians(55.0)))  # of A3, B1, ... that rise in this half
+    latitude = np.arcsin(position[:, 2] / 26559700.0 / np.sin(np.radians(55.0)))  # of A3 and D2
     assert np.degrees(latitude[[2, 13]]) == pytest.approx([11.676, 180.0 - 265.446], abs=1e-3)
 
 
@@ -164,8 +194,8 @@ def test_a_day_of_the_slots_has_the_dilutions_of_an_independent_calculation(lati
 def _sight(ephemeris, latitude, longitude, week, second):
     """Unit vectors to the satellites: up, east, north."""
     position, _ = orbit.state(ephemeris, week, second)
-    d = position - earth.to_ecef(latitude, longitude, 0.0)[:, None]
-    x, y, z = d / np.linalg.norm(d, axis=0)
+    d = position - earth.to_ecef(latitude, longitude, 0.0)
+    x, y, z = (d / np.linalg.norm(d, axis=1)[:, None]).T
     out = np.cos(longitude) * x + np.sin(longitude) * y
     up = np.cos(latitude) * out + np.sin(latitude) * z
     return up, np.cos(longitude) * y - np.sin(longitude) * x, np.cos(latitude) * z - np.sin(latitude) * out
@@ -250,8 +280,8 @@ class Sky(Component):
     second = Parameter("s", start=172000.0, description="second of the week at the beginning")
     sample_period = Parameter("s", start=1.0, description="period")
     orbits = Table(columns=COLUMNS, rows=rows(0.0, 7200.0))
-    position_e = Output((3, 24), "m", description="positions")
-    velocity_e = Output((3, 24), "m/s", description="velocities")
+    position_e = Output((24, 3), "m", description="positions")
+    velocity_e = Output((24, 3), "m/s", description="velocities")
     clock = Output(24, "s", description="errors of the clocks")
     usable = Output(24, "1", description="whether they can be used")
 
@@ -294,8 +324,8 @@ def test_an_fmu_has_the_same_states_from_its_table(tmp_path, published):
         one = selection.nearest(*selection.around(table, prn, *now), prn, *now)
         jumped.append(float(one.toe[19]))
         position, velocity = orbit.state(one, *now)
-        np.testing.assert_allclose(found["position_e"][k].reshape(3, 24), position, rtol=0, atol=1e-6)
-        np.testing.assert_allclose(found["velocity_e"][k].reshape(3, 24), velocity, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(found["position_e"][k].reshape(24, 3), position, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(found["velocity_e"][k].reshape(24, 3), velocity, rtol=0, atol=1e-9)
         np.testing.assert_allclose(found["clock"][k], satellite_clock.error(one, *now)[0], rtol=0, atol=1e-19)
         assert np.all(found["usable"][k] == selection.usable(one, prn, *now))
     assert jumped == [172800.0] * 179 + [180000.0] * 181
