@@ -76,7 +76,6 @@ class Station:
             clock = clock - satellite_clock.relativity(chosen, anomaly)[0]
         if left_out != "TGD":
             clock = satellite_clock.on_l1(chosen, clock)
-        position = position.T
         if left_out == "Sagnac":  # what the solver will turn forward is turned back
             position = sight.turned(position, -sight.travel_time(TRUTH, position))
         values = {
@@ -85,7 +84,7 @@ class Station:
             "range_rate": -WAVELENGTH * o.named("D1C")[row, prn - 1],
             "signal_to_noise": o.named("S1C")[row, prn - 1],
             "satellite_e": position,
-            "satellite_velocity_e": velocity.T,
+            "satellite_velocity_e": velocity,
             "satellite_clock": clock,
             "satellite_clock_rate": rate,
             "accuracy": chosen.accuracy,
