@@ -22,7 +22,7 @@ SENSORS = {
     "gps": 1.0,
     "dme": 1.0,
     "vor": 1.0,
-    "radar_fix": 4.8,
+    "radar_fix": 0.8,
     "doppler_radar": 1 / 7.5,
     "loran": 1.0,
 }

@@ -14,6 +14,7 @@ from navfmu.report.page import Page
 
 SENSORS = (
     "air_data",
+    "alternative_aids",
     "at_rest",
     "azimuth_detector",
     "dme",

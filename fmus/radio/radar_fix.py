@@ -125,12 +125,11 @@ class RadarFix(Component):
         errors = noise(2)
         radar_place = (np.reshape(x, (1,)) for x in (self.radar_latitude, self.radar_longitude, self.radar_altitude))
         line = dme.line_of_sight(self.latitude, self.longitude, self.altitude, *radar_place)[:, 0]
-        north, east, up = sight.in_n(self.radar_latitude, self.radar_longitude, line)
+        _, _, up = sight.in_n(self.radar_latitude, self.radar_longitude, line)
         reach = np.minimum(dme.horizon(self.altitude, self.radar_altitude, 0.0), self.radar_range)
-        within = np.sqrt(np.sum(line * line)) <= reach
-        self.seen = (
-            within & (sight.elevation(north, east, up) <= self.highest_elevation) & np.logical_not(self.radar_off)
-        )
+        distance = np.sqrt(np.sum(line * line))
+        below = np.logical_not(sight.is_above(up, distance, self.highest_elevation))
+        self.seen = (distance <= reach) & below & np.logical_not(self.radar_off)
         north, east, _ = sight.in_n(self.latitude, self.longitude, line)
         off = radar.displacement(
             north,
@@ -153,4 +152,3 @@ class RadarFix(Component):
             time_of_validity=np.where(self.stamped, self.seen_at, self.time),
             when=self.seen & np.logical_not(self.link_lost),
         )
-        self.seen = False

@@ -144,7 +144,7 @@ class Vor(stations.StationTable, Component):
         distance = np.sqrt(np.sum(line * line, axis=0))
         reach = np.minimum(dme.horizon(self.altitude, self.station_altitude, self.antenna_height), self.station_range)
         here = np.arange(PLACES) < self.station_count
-        below = sight.elevation(north, east, up) <= self.highest_elevation
+        below = np.logical_not(sight.is_above(up, distance, self.highest_elevation))
         received = here & (distance <= reach) & below & np.logical_not(self.station_off)
         shown = vor.radial(
             sight.azimuth(north, east),

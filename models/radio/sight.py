@@ -21,11 +21,6 @@ def in_n(latitude, longitude, vectors):
     return north, east, cos_lat * outward + sin_lat * vectors[2]
 
 
-def elevation(north, east, up):
-    """Angle above the level of the station, rad."""
-    return np.arctan2(up, np.sqrt(north * north + east * east))
-
-
 def is_above(up, distance, angle):
     """Whether an aircraft that is ``up`` m over the level of a station at ``distance`` m is higher than ``angle``,
     rad, -pi/2 to pi/2. None is higher than pi/2."""

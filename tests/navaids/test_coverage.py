@@ -144,6 +144,12 @@ def test_the_pair_is_the_best_of_all_pairs_and_nothing_useless_is_taken():
     assert "short" not in {one.ident for one in choose(stations, middle(), 9)}
 
 
+def test_one_that_helps_nothing_is_not_taken():
+    """Right below the aircraft: its distance says nothing of where that is."""
+    stations = [at(0.0, 20e3, "a"), at(90.0, 20e3, "b"), at(0.0, 1.0, "below")]
+    assert {one.ident for one in choose(stations, middle(), 5)} == {"a", "b"}
+
+
 def test_of_one_that_is_heard_one_is_taken_and_of_none_none():
     assert [one.ident for one in choose([at(0.0, 10e3, "a"), at(0.0, 300e3, "b")], middle(), 5)] == ["a"]
     assert choose([at(0.0, 300e3)], middle(), 5) == []
