@@ -6,13 +6,17 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from evidence.section import Section, left_out
-from evidence.sensors.observed import KLOBUCHAR_OFF, TROPOSPHERE_OFF, Signals, Station, errors, rms, velocities
+from evidence.sensors.observed import KLOBUCHAR_OFF, TROPOSPHERE_OFF, TRUTH, Signals, Station, errors, rms, velocities
+from fmus.satellite.signals import PLACES
+from models.earth import earth
+from models.satellite import least_squares, sight
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png, title
@@ -200,9 +204,51 @@ class Day:
             ),
         ]  # fmt: skip
 
+    @property
+    def four(self) -> Claim:
+        """A receiver of four channels, AGARD CP-298 (1981), Coriat: 20 m, 90 % of the time, in space."""
+        off = errors(self.station.solve(self.station.rows(self.protected["tow_s"]), channels=4))
+        half, most = np.quantile(np.linalg.norm(off, axis=1), [0.5, 0.9])
+        return Claim(
+            f"With four channels half of the positions are within {half:.2g} m, and 90 % within",
+            float(most), 20.0, False, "m", "Four channels are not enough for 20 m, 90 % of the time",
+        )  # fmt: skip
+
+    @property
+    def three(self) -> Claim:
+        """Three satellites that lie well and an altitude of 10 m, AGARD CP-298 (1981), Peterson: about 10 m."""
+        latitude, longitude, altitude = earth.from_ecef(TRUTH)
+        rng = np.random.default_rng(3)
+
+        def few(_: int, signals: Signals) -> None:
+            tracked = np.flatnonzero(signals["signals.tracked"])
+            unit_n = sight.ranges(TRUTH, signals["signals.satellite_e"][tracked])[1]
+            unit_n = unit_n @ earth.north_east_down(latitude, longitude).T
+            high = -unit_n[:, 2] > np.sin(np.radians(10.0))
+            kept = best_three(unit_n[high])
+            signals["signals.tracked"] = np.isin(np.arange(PLACES), tracked[high][list(kept)])
+            signals |= {"altitude.height": altitude + 10.0 * rng.standard_normal(), "altitude.valid": True}
+
+        off = errors(self.station.solve(self.station.rows(self.protected["tow_s"]), "", few))
+        return Claim(
+            "Three satellites and an altitude that is known to 10 m: horizontal error, rms",
+            float(np.sqrt(np.mean(off[:, 0] ** 2 + off[:, 1] ** 2))), 10.0, False, "m",
+            "Three satellites and an altitude are not enough for 10 m",
+        )  # fmt: skip
+
     @cached_property
     def claims(self) -> list[Claim]:
-        return [*self.accurate, self.left_out, self.found, *self.bounded]
+        return [*self.accurate, self.left_out, self.found, *self.bounded, self.four, self.three]
+
+
+def best_three(unit_n: np.ndarray) -> tuple[int, ...]:
+    """Which three of the sight lines have the least dilution together with an altitude."""
+
+    def dilution(three: tuple[int, ...]) -> float:
+        q = least_squares.covariance(least_squares.design(unit_n[list(three)]), np.ones(4))
+        return float(np.trace(q)) or np.inf
+
+    return min(combinations(range(len(unit_n)), 3), key=dilution)
 
 
 def section(day: Day) -> Section:

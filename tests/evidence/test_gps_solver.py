@@ -86,3 +86,11 @@ def test_an_error_beyond_its_protection_level_is_said():
     assert same.holds and below.holds and below.measured == 0.9
     same, below = gps_solver.Day.bounded.fget(day(levels=levels.assign(off_vertical=1.1, ours_brown=1.01)))
     assert not same.holds and not below.holds
+
+
+def test_the_best_three_surround_the_receiver():
+    """Of six low satellites at equal angles and three close together, three that are 120 degrees apart."""
+    azimuth = np.radians([0.0, 10.0, 20.0, 60.0, 120.0, 180.0, 240.0, 300.0])
+    unit_n = np.stack([0.9 * np.cos(azimuth), 0.9 * np.sin(azimuth), np.full(8, -np.sqrt(0.19))], axis=1)
+    chosen = np.degrees(azimuth[list(gps_solver.best_three(unit_n))])
+    np.testing.assert_allclose(np.diff(chosen), 120.0, atol=1e-9)
