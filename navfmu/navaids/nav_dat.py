@@ -1,7 +1,7 @@
 """Stations in files of X-Plane's layout, ``nav.dat`` and ``earth_nav.dat``, versions 810, 1100 and 1150.
 
-A line "I" or "A", a line that begins with the version, rows that begin with a code, and the row 99 at the end. Rows 12
-(beside a VOR or ILS) and 13 (alone) are transponders:
+A line "I" or "A", which may be empty or missing, a line that begins with the version, rows that begin with a code, and
+the row 99 at the end. Rows 12 (beside a VOR or ILS) and 13 (alone) are transponders:
 
     12  latitude longitude elevation frequency range bias ident [terminal region] name ...
 
@@ -11,6 +11,7 @@ XP NAV810 and XP NAV1100). Other rows are not used.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -20,6 +21,7 @@ from navfmu.navaids.station import Station, station
 
 VERSIONS = {810: 0, 1100: 2, 1150: 2}
 """Version -> how many words stand between ident and name."""
+_VERSION = re.compile(r"\s*\d+\s+version", re.IGNORECASE)
 TRANSPONDERS = ("12", "13")
 END = "99"
 NUMBERS = ("latitude", "longitude", "elevation", "frequency", "range", "bias")
@@ -28,14 +30,16 @@ SCALE = {"frequency": 0.01}
 
 def is_nav_dat(text: str) -> bool:
     """Whether a file begins as these do."""
-    return text[:200].split("\n", 1)[0].strip() in ("I", "A")
+    begin = text[:200].splitlines()[:2]
+    return bool(begin) and begin[0].strip() in ("I", "A") or any(_VERSION.match(line) for line in begin)
 
 
 def read(text: str, source: str) -> Iterator[Station]:
     """The transponders of a file; ``source`` names it in sentences."""
     lines = text.splitlines()
-    between = VERSIONS[_version(lines, source)]
-    for number, line in enumerate(lines[2:], 3):
+    head = 0 if _VERSION.match(lines[0]) else 1
+    between = VERSIONS[_version(lines, head, source)]
+    for number, line in enumerate(lines[head + 1 :], head + 2):
         words = line.split()
         if not words:
             continue
@@ -50,12 +54,12 @@ def read(text: str, source: str) -> Iterator[Station]:
     raise NavfmuError(f"{source}: ends at line {len(lines)} without the row {END}: something of it is missing")
 
 
-def _version(lines: list[str], source: str) -> int:
-    first = lines[1].split()[:1] if len(lines) > 1 else []
+def _version(lines: list[str], at: int, source: str) -> int:
+    first = lines[at].split()[:1] if len(lines) > at else []
     known = " or ".join(map(str, VERSIONS))
     if not first or not first[0].isdigit() or int(first[0]) not in VERSIONS:
         found = f"is '{quoted(first[0])}'" if first else "is missing"
-        raise NavfmuError(f"{source}, line 2: the version of the file {found}; expected {known}")
+        raise NavfmuError(f"{source}, line {at + 1}: the version of the file {found}; expected {known}")
     return int(first[0])
 
 

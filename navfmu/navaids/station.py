@@ -17,7 +17,7 @@ RANGES = {
     "latitude": (-90.0, 90.0, "degrees"),
     "longitude": (-180.0, 180.0, "degrees"),
     "elevation": (-2000.0, 20000.0, "ft"),
-    "range": (1.0, 400.0, "nmi"),
+    "range": (1.0, 1000.0, "nmi"),
     "bias": (-20.0, 20.0, "nmi"),
 }
 """Least and largest, and the unit in files."""

@@ -30,7 +30,7 @@ def read(text: str, source: str) -> Iterator[Station]:
             raise NavfmuError(
                 f"{source}: there {have} '{name}'{nearest(name, [h for h in header if h != name])} "
                 f"(stations need ident, {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)} and name; "
-                "or a file of X-Plane's layout, which begins with a line I or A)"
+                "or a file of X-Plane's layout, which begins with a line I or A and one with its version)"
             )
     for words in rows:
         where = f"{source}, line {rows.line_num}"

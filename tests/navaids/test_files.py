@@ -37,6 +37,16 @@ def test_a_later_file_has_terminal_and_region_between_ident_and_name(tmp_path, v
     ]
 
 
+@pytest.mark.parametrize("head", ["", "\n", " \n", "A\n"])
+def test_a_file_is_known_by_its_version_when_its_first_line_is_empty_or_missing(tmp_path, head):
+    """Such files are in circulation. Lines are counted as they stand."""
+    text = head + OLD.removeprefix("I\n")
+    assert [one.ident for one in read(given(tmp_path, text)).stations] == ["SEA", "IAAA", "AAL"]
+    row = 6 + head.count("\n")
+    with pytest.raises(NavfmuError, match=f"line {row}: the latitude of 'SEA' is 95"):
+        read(given(tmp_path, text.replace("12  47.43538889", "12  95.0"), "other.dat"))
+
+
 @pytest.mark.parametrize("form", [lambda t: t.replace("\n", "\r\n"), lambda t: "\ufeff" + t, lambda t: t + "no row\n"])
 def test_ends_of_lines_marks_and_what_stands_behind_the_end_do_not_matter(tmp_path, form):
     assert read(given(tmp_path, form(OLD))).stations == read(given(tmp_path, OLD, "other.dat")).stations
@@ -54,7 +64,7 @@ WRONG_ROWS = {
     "a channel of the voice": (ROW.replace("11680", "12180"), "line 7: the frequency of 'SEA' is 121.8 MHz"),
     "degrees and minutes": (ROW.replace("47.43538889", "4726.1"), "line 7: the latitude of 'SEA' is 4726.1 degrees"),
     "a longitude to 360": (ROW.replace("-122.30963889", "237.7"), "the longitude of 'SEA' is 237.7 degrees"),
-    "no range": (ROW.replace(" 130 ", " 0 "), "line 7: the range of 'SEA' is 0 nmi; expected 1 to 400"),
+    "no range": (ROW.replace(" 130 ", " 0 "), "line 7: the range of 'SEA' is 0 nmi; expected 1 to 1000"),
     "a decimal comma": (ROW.replace("47.43538889", "47,435"), "line 7: the latitude is '47,435'; expected a number"),
     "an exponent of Fortran": (ROW.replace("354", "3.54D+02"), "line 7: the elevation is '3.54D+02'"),
     "no number": (ROW.replace("47.43538889", "nan"), "line 7: the latitude is 'nan'; expected a number"),
