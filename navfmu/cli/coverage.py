@@ -47,7 +47,7 @@ def command(file, near, radius, heights, points, track, ground, out, picture):
     if near:
         heights = [within(h, 0.0, 100000.0, "--height", "ft") * FOOT for h in heights or (500.0, 1500.0)]
         within(radius, 0.1, 500.0, "--radius", "nmi")
-        within(points, 2, 1001, "--points", "points")
+        within(points, 2, 401, "--points", "points")
         where = Points.around(*place(near), radius * NAUTICAL_MILE, points, heights, ground)
     else:
         where = along(track, ground)

@@ -12,6 +12,8 @@ from navfmu.files.numbers import label
 from navfmu.navaids.sight import dilution, sight
 from navfmu.navaids.station import FOOT, Station
 
+BLOCK = 1_000_000
+"""Pairs of a station and a point that are looked at together: so a fine grid does not fill the memory."""
 MOST = 99.0
 """What a table shows where circles do not cross, or do so with a larger dilution."""
 
@@ -71,14 +73,14 @@ class Coverage:
     @classmethod
     def of(cls, stations: Sequence[Station], points: Points) -> Coverage:
         """Coverage of points by all stations together."""
-        seen = sight(stations, points.latitude, points.longitude, points.altitude, points.ground)
-        return cls(
-            tuple(stations),
-            points,
-            np.sum(seen.heard, axis=0),
-            dilution(seen, seen.heard),
-            np.mean(seen.heard, axis=1),
-        )
+        size = len(points.altitude)
+        count, hdop, heard = np.zeros(size, int), np.zeros(size), np.zeros(len(stations))
+        for part in np.array_split(np.arange(size), 1 + size * len(stations) // BLOCK):
+            places = (of[part] for of in (points.latitude, points.longitude, points.altitude))
+            seen = sight(stations, *places, points.ground)
+            count[part], hdop[part] = np.sum(seen.heard, axis=0), dilution(seen, seen.heard)
+            heard += np.sum(seen.heard, axis=1)
+        return cls(tuple(stations), points, count, hdop, heard / size)
 
     def part(self, least: int) -> float:
         """Share of the points at which at least so many stations are heard."""

@@ -31,7 +31,7 @@ SCALE = {"frequency": 0.01}
 def is_nav_dat(text: str) -> bool:
     """Whether a file begins as these do."""
     begin = text[:200].splitlines()[:2]
-    return bool(begin) and begin[0].strip() in ("I", "A") or any(_VERSION.match(line) for line in begin)
+    return (bool(begin) and begin[0].strip() in ("I", "A")) or any(_VERSION.match(line) for line in begin)
 
 
 def read(text: str, source: str) -> Iterator[Station]:

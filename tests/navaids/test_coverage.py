@@ -115,6 +115,17 @@ def test_a_grid_lies_around_its_middle():
     np.testing.assert_allclose(ned[:2], [20e3, 20e3], rtol=1e-3)
 
 
+def test_points_are_looked_at_in_parts_as_together(monkeypatch):
+    """Wrong: parts in another order, a share of a part for that of all."""
+    points = Points.around(*MIDDLE, 60e3, 9, [LOW, 5 * LOW])
+    stations = [at(0.0, 40e3, range=50e3), at(100.0, 30e3), at(200.0, 50e3, range=30e3)]
+    whole = Coverage.of(stations, points)
+    monkeypatch.setattr("navfmu.navaids.coverage.BLOCK", 100)
+    parts = Coverage.of(stations, points)
+    for name in ("count", "hdop", "share"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+
+
 def test_a_map_shows_a_station_where_the_grid_has_it():
     one = at(30.0, 20e3)
     np.testing.assert_allclose(plane(one, *MIDDLE), [10e3, 17.32e3], rtol=1e-3)
