@@ -11,6 +11,8 @@ DAY = 86400.0
 START = date(1980, 1, 6)
 ROLLOVER = 1024
 """A satellite tells its week modulo this."""
+LAST = 10_000
+"""Weeks from here on are none: it is the year 2171."""
 CLOSE = 26
 """Weeks between an almanac and the date it is wanted for, at most: older ones are taken for a wrong rollover."""
 LEAPS = (
@@ -42,8 +44,8 @@ def full_week(week: int, near: date | None, what: str) -> int:
     Refused are a week below 1024 without a date, and a week too far from the date to be meant; ``what`` (the file and
     the line) begins the sentence.
     """
-    if week < 0:
-        raise NavfmuError(f"{what}: the week is {week}; expected 0 or more")
+    if not 0 <= week < LAST:
+        raise NavfmuError(f"{what}: the week is {week}; expected 0 to {LAST - 1}")
     if near is None:
         if week >= ROLLOVER:
             return week

@@ -18,11 +18,16 @@ CENTURY = 80  # years of two digits from here on are 19..
 
 
 class Lines:
-    """Lines of a file, counted from 1; ``expected`` ("a YUMA almanac") goes into the sentence if it is none."""
+    """Lines of a file, counted from 1; ``expected`` ("a YUMA almanac") goes into the sentence if it is none.
+
+    ``remarks`` say what may be wrong with it.
+    """
 
     def __init__(self, path: str | Path, expected: str) -> None:
         self.path, self.expected = Path(path), expected
-        self.text = _content(self.path, expected).decode("latin1").splitlines()
+        text = _content(self.path, expected).decode("latin1")
+        self.text = text.splitlines()
+        self.remarks = [] if text.endswith(("\n", "\r")) else ["the last line does not end: the file may be cut off"]
 
     def __len__(self) -> int:
         return len(self.text)

@@ -90,7 +90,9 @@ def read_observations(path: str | Path) -> Observations:
                 values[name][row, prn - 1] = value
     marker = header.one("MARKER NAME")
     others = sorted(set().union(*(epoch.others for epoch in found)))
-    remarks = [f"satellites of the systems {', '.join(others)} are left out"] if others else []
+    remarks = list(lines.remarks)
+    if others:
+        remarks.append(f"satellites of the systems {', '.join(others)} are left out")
     week, second = np.array([(epoch.week, epoch.second) for epoch in found]).T
     remarks += _of_leap_seconds(second, int(week[0]))
     return Observations(

@@ -145,7 +145,7 @@ def orbits(
     names = [name for name, _ in COLUMNS]
     week, second = (rows[:, names.index(name)] for name in ("toe_week", "toe"))
     rows[:, 0] = APART * rows[:, names.index("prn")] + week + second / WEEK
-    return _ordered(str(lines.path), kind, rows, ionosphere, remarks)
+    return _ordered(str(lines.path), kind, rows, ionosphere, [*lines.remarks, *remarks])
 
 
 def joined(parts: Sequence[Orbits]) -> Orbits:

@@ -179,6 +179,8 @@ def test_a_week_of_an_almanac_wants_a_date(tmp_path, almanac):
         ("a,b\n1,2\n", ["none that can be told", "YUMA"]),
         (made.yuma(1, 2)[:-100], ["line 17", "no 'af1'", "cut off"]),
         (made.yuma(1, 1), ["satellite 1 comes again"]),
+        (made.yuma(1, week=12345), ["the week is 12345", "0 to 9999"]),
+        (made.yuma(1, week=-3), ["the week is -3"]),
         (made.yuma(1).replace("Af0(s)", "Afo(s)"), ["line 12", "'Afo(s)", "expected one of"]),
         (made.yuma(1).replace("0.9600000000", "55.0000000"), ["inclination is 55"]),
         (made.yuma(1).replace("319488.0000", "719488.0000"), ["toe is 719488"]),
