@@ -129,6 +129,16 @@ class Day:
             "A model left out is missed otherwise than in the independent solution",
         )  # fmt: skip
 
+    @property
+    def refused(self) -> Claim:
+        """Times that are off by leap seconds are no fix."""
+        found = self.station.solve(self.station.rows(self.protected["tow_s"]), "leap seconds")
+        return Claim(
+            f"With times that are off by 18 s nothing is called a fix: epochs of {len(found['fix.valid'])} that are",
+            float(np.count_nonzero(found["fix.valid"])), 0.0, False,
+            opposite="With times that are off by 18 s there are fixes",
+        )  # fmt: skip
+
     @cached_property
     def cases(self) -> pd.DataFrame:
         """One satellite with a bias: what the independent solution found, and ours."""
@@ -238,7 +248,7 @@ class Day:
 
     @cached_property
     def claims(self) -> list[Claim]:
-        return [*self.accurate, self.left_out, self.found, *self.bounded, self.four, self.three]
+        return [*self.accurate, self.left_out, self.found, *self.bounded, self.refused, self.four, self.three]
 
 
 def best_three(unit_n: np.ndarray) -> tuple[int, ...]:

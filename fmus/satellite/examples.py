@@ -61,6 +61,8 @@ def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         "signals.pseudorange": pseudorange,
         "signals.range_rate": rate,
         "signals.signal_to_noise": np.full((len(time), PLACES), 45.0),
+        "signals.accuracy": np.full((len(time), PLACES), 2.4),
+        "signals.corrected": np.zeros((len(time), PLACES)),
         "signals.satellite_e": np.tile(satellite_e, (len(time), 1, 1)),
     }
 
@@ -75,6 +77,9 @@ def solver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.n
     errors = {"north": north, "east": east, "up": outputs["fix.altitude"] - truth["altitude"]}
     return {
         "error of position while valid (m)": {name: np.where(seen, error, np.nan) for name, error in errors.items()},
+        "protection level (m)": {
+            name: np.where(seen, outputs[f"{name}_protection"], np.nan) for name in ("horizontal", "vertical")
+        },
         "satellite used": {
             f"satellite {i + 1}": outputs["used"][:, i] + 1.2 * i for i in (WRONG - 1, WRONG, WRONG + 1)
         },

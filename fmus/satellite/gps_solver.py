@@ -36,7 +36,8 @@ class GpsSolver(Component):
     Integrity: the weighted sum of squares of the residuals is tested against chi square with n - 4 degrees of freedom
     at `false_alarm`. If it is larger, up to `exclusions` satellites are left out, each time the one without which the
     sum is least; with n = 5 nobody knows which, and the `alarm` stays. Protection levels say how far off the position
-    may be while the test is silent: Walter and Enge's, and Brown's (`..._slope`); 1000 km where nothing protects.
+    may be while the test is silent: Walter and Enge's, and Brown's (`..._slope`); 1000 km where
+    nothing protects, and with an alarm.
 
     A barometric altitude takes the place of a satellite while fewer than `altitude_below` are seen (three satellites
     and altitude: AGARD CP-298 (1981), Peterson). With fewer `channels` than satellites those are left out without which
@@ -53,7 +54,7 @@ class GpsSolver(Component):
         mark=examples.FAULT,
         inputs=examples.signals_inputs,
         periods={"altitude": 1.0},
-        shows=("satellites", "horizontal_protection", "vertical_protection", "squares"),
+        shows=("satellites", "squares"),
         panels=examples.solver_panels,
     )
 
@@ -271,7 +272,7 @@ class GpsSolver(Component):
         )
 
     def _protect(self, found, weight, good):
-        tested = good & (solution.freedom(weight) > 0.5)
+        tested = good & (solution.freedom(weight) > 0.5) & np.logical_not(self.alarm)
         share = raim.redundancy(found.p, found.h, weight)
         horizontal, vertical = raim.slopes(found.p, found.h, weight, share)
         threshold = np.sqrt(solution.of_freedom(self.thresholds, weight))

@@ -136,9 +136,36 @@ def test_with_five_satellites_nobody_knows_which(solver):
     assert found["sequence"] == 2
     assert error(found, Place()) < 1e-3
     assert not np.any(found["excluded"])
+    assert found["horizontal_protection"] == found["vertical_protection"] == protection_level.NONE
     wrong = solve(solver, good, bad, withhold=False)
     assert wrong["fix.valid"]
     assert error(wrong, Place()) > 50.0
+
+
+def test_a_clock_that_jumps_moves_nothing_but_the_clock(solver):
+    """F41: 0.5 ms between two fixes, 150 km in each pseudorange."""
+    before, after = signals(Place(), 8, clock=1e-4), signals(Place(), 8, clock=6e-4)
+    found = solve(solver, before, after)
+    assert found["fix.valid"] and not found["detected"]
+    assert error(found, Place()) < 1e-3
+    assert found["clock_bias"] == pytest.approx(6e-4, abs=1e-11)
+
+
+def test_signals_that_agree_on_another_place_are_believed(solver):
+    """F39: what is consistent has no residuals, and nothing here sees it."""
+    other = Place(0.67, -2.11, 2000.0)
+    found = solve(solver, signals(Place(), 8), signals(other, 8))
+    assert found["fix.valid"] and not found["detected"]
+    assert error(found, other) < 1e-3
+
+
+def test_satellites_of_another_time_are_no_fix(solver):
+    """Positions of 18 s later, as when leap seconds are missed; one left out mends nothing."""
+    made = signals(Place(), 9)
+    made["signals.satellite_e"] = made["signals.satellite_e"] + 18.0 * made["signals.satellite_velocity_e"]
+    found = solve(solver, signals(Place(), 9), made)
+    assert found["alarm"] and not found["fix.valid"]
+    assert error(found, Place()) < 1e-3  # that of before
 
 
 def test_four_satellites_protect_nothing(solver):
