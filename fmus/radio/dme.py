@@ -47,9 +47,8 @@ class Dme(stations.StationTable, Component):
     Interrogator (section 2.5.5). A receiver that is tuned to a station searches, with 135 pulse pairs a second, until
     it has had replies for `lock_in`, and then tracks with 25; a scanning one divides them among its stations. It has
     replies while at least `least_replies` of its interrogations are answered, on average over `reply_window`, and where
-    it looks for them: what jumps
-    by more than `gate` is lost and searched for. Where replies fail it waits for `memory_time`, showing the last range,
-    before it searches.
+    it looks for them: what jumps by more than `gate` is lost and searched for. Where replies fail it waits for
+    `memory_time`, showing the last range, before it searches.
 
     Transponder. It answers after 50 us while it is nearer than `station_range`, above the radio horizon (4/3 earth)
     and the `terrain`, on the air, and while its delay is less than `monitor_limit` wrong. It hears

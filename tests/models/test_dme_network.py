@@ -85,6 +85,32 @@ def test_what_jumps_out_of_the_gate_is_searched_for_and_what_flies_is_not():
         assert run.get("phase").tolist() == [phase] + [TRACK] * 4
 
 
+def test_a_receiver_does_not_follow_in_memory():
+    """Replies from 3 km further are taken when the gate has opened so far, 926 m and 514 m for each second without
+    replies: in the fifth. Catches a gate about what was seen last, lost or not, which takes them in the second."""
+    run = interpret(Dme, **FLYING, mode=3, memory_time=10.0)
+    run.do_step(0.0, 20.0)
+    run.set("echo", [3000.0, 0.0, 0.0, 0.0, 0.0])
+    assert [phase for phase, _ in phases(run, 8)] == [MEMORY] * 4 + [TRACK] * 4
+
+
+def test_a_transponder_that_answers_few_gives_no_range():
+    run = interpret(Dme, **FLYING, **five_stations(), mode=3, reply_efficiency=[0.05, 1.0, 1.0, 1.0, 1.0])
+    run.set("replies_lost", [-1.0] * 5)  # less than none is none
+    run.do_step(0.0, 10.0)
+    assert run.get("ranging.measured").tolist() == [False] + [True] * 4
+
+
+def test_a_delay_that_is_no_number_is_no_range():
+    run = interpret(Dme, **FLYING, **five_stations(), mode=3, monitor_limit=1.0)
+    run.do_step(0.0, 10.0)
+    run.set("delay_change", [np.nan, 0.0, 0.0, 0.0, 0.0])
+    run.set("delay_drift", [0.0, np.nan, 0.0, 0.0, 0.0])
+    run.do_step(10.0, 1.0)
+    assert run.get("ranging.measured").tolist() == [False] + [True] * 4
+    assert np.all(np.isfinite(run.get(RANGES)))
+
+
 # --- which stations --------------------------------------------------------------------------------------------------
 
 
@@ -132,6 +158,32 @@ def test_none_is_selected_where_none_cross_and_a_silent_one_is_replaced():
     # the second one does not answer at 15 s; until 75 s the other pair, then the best one is tried again
     assert found == [(15, [0]), (30, [0, 2]), (45, [0, 2]), (60, [0, 2]), (75, [0, 2]), (90, [0]), (105, [0, 2]),
                      (120, [0, 2])]  # fmt: skip
+
+
+def test_a_station_out_of_reach_is_not_selected_however_well_it_crosses():
+    ranges = {"station_range": [130e3, 20e3, 130e3, 130e3, 130e3]}
+    run = interpret(Dme, **FLYING, **bearings(0.0, 90.0, 50.0), **ranges, selection="inclusion_angle", mode=2)
+    assert [(t, m) for t, m, _ in follow(run, 30.0)] == [(15, [0, 2]), (30, [0, 2])]
+
+
+def test_a_pair_is_kept_until_its_turn_is_over():
+    """One second of another best pair, in the middle of a turn, costs nothing."""
+    run = interpret(Dme, **FLYING, **bearings(0.0, 90.0, 50.0), selection="inclusion_angle", mode=2)
+    run.do_step(0.0, 12.0)
+    run.set("longitude", FLYING["longitude"] + 0.02)  # 100 km to the east
+    run.do_step(12.0, 1.0)
+    run.set("longitude", FLYING["longitude"])
+    assert run.get("selected").tolist() == [True, True, False, False, False]
+
+
+def test_a_station_that_comes_too_near_is_not_measured_any_more():
+    """At once, and not when the next turn begins."""
+    run = interpret(Dme, **FLYING, **five_stations(), mode=3, highest_elevation=np.radians(18.0))
+    run.do_step(0.0, 20.0)
+    assert np.all(run.get("ranging.measured"))
+    run.set("altitude", 11000.0)
+    run.do_step(20.0, 1.0)
+    assert not np.any(run.get("ranging.measured"))
 
 
 @pytest.mark.parametrize(("altitude", "measured"), [(9000.0, []), (20000.0 / 3.2, [0])])
