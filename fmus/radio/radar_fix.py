@@ -20,9 +20,10 @@ class RadarFix(Component):
     latency times speed.
 
     The radar sees the aircraft within radar_range, above the radio horizon (4/3 earth, smooth) and below
-    highest_elevation. Where it does not, while it is off or the link is lost, nothing comes: sequence stands still, and
-    only its age tells. Not modelled: garbled replies, the tracker of the ground, terrain. The figures of a terminal
-    radar with monopulse are own choice; the thesis says more often than every 30 s.
+    highest_elevation. Where it does not, while it is off or the link is lost, the receiver says at the time of arrival
+    that there is no fix: valid is false, sequence counts on, the values are the last ones. Not modelled: garbled
+    replies, the tracker of the ground, terrain. The figures of a terminal radar with monopulse are own choice; the
+    thesis says more often than every 30 s.
     """
 
     name = "radar_fix"
@@ -145,10 +146,10 @@ class RadarFix(Component):
 
     @every("scan_period", offset="arrival_phase")
     def arrive(self):
+        told = self.seen & np.logical_not(self.link_lost)
         self.fix.publish(
-            latitude=self.seen_latitude,
-            longitude=self.seen_longitude,
-            valid=True,
-            time_of_validity=np.where(self.stamped, self.seen_at, self.time),
-            when=self.seen & np.logical_not(self.link_lost),
+            latitude=np.where(told, self.seen_latitude, self.fix.latitude),
+            longitude=np.where(told, self.seen_longitude, self.fix.longitude),
+            valid=told,
+            time_of_validity=np.where(told & self.stamped, self.seen_at, self.time),
         )
