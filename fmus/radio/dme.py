@@ -316,9 +316,9 @@ class Dme(stations.StationTable, Component):
     )
     phase = Output(
         PLACES,
-        items=interrogator.Phase,
-        kind="enumeration",
-        description="what was done about each station in the last step",
+        kind="integer",
+        start=int(interrogator.Phase.IDLE),
+        description="what was done about each station in the last step: 1 nothing, 2 search, 3 track, 4 memory",
     )
     interrogation_rate = Output(
         PLACES, "Hz", description="pulse pairs a second with which each station was asked in it"
