@@ -1,13 +1,17 @@
 """Orbits, clocks and the choice of ephemerides: published states, an independent solution, closed forms, in C."""
 
+from datetime import date
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from models.earth import earth
 from models.satellite import broadcast, gps_time, kepler, orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu.export import Component, Output, Parameter, Table, every
+from navfmu.satellite import calendar
 from navfmu.satellite import orbits as files
 from navfmu.satellite.file import read_orbits
 from tests.models.native import Native
@@ -160,6 +164,19 @@ def test_slots_are_a_nominal_constellation():
     assert 2.0 * np.pi / orbit.mean_motion(o)[0] == pytest.approx(43082.045, abs=10.0)
     latitude = np.arcsin(position[:, 2] / 26559700.0 / np.sin(np.radians(55.0)))  # of A3 and D2
     assert np.degrees(latitude[[2, 13]]) == pytest.approx([11.676, 180.0 - 265.446], abs=1e-3)
+
+
+def test_slots_at_their_epoch():
+    """1993-07-01, 0 h UTC, when GPS time was 9 s ahead: slots by turning a point about three axes, to a millimetre; A1
+    and D3 also as an independent calculation has them. Without the leap seconds they are 25 km off."""
+    week, second = calendar.gps_time(date(1993, 7, 1), calendar.leap_seconds(date(1993, 7, 1)))
+    position, _ = orbit.state(Ephemeris.of(slots.constellation()), week, second)
+    for name, found in zip(slots.NAMES, position, strict=True):
+        latitude = slots.LATITUDES[name[0]][int(name[1]) - 1]
+        turn = Rotation.from_euler("ZXZ", [slots.PLANES[name[0]] - 279.060, 55.0, latitude], degrees=True)
+        np.testing.assert_allclose(found, turn.apply([26559700.0, 0.0, 0.0]), rtol=0, atol=1e-3)
+    np.testing.assert_allclose(position[0], [-2511262.8, -15042441.8, -21744796.3], rtol=0, atol=0.06)
+    np.testing.assert_allclose(position[14], [-22536659.6, -6370205.7, 12527454.5], rtol=0, atol=0.06)
 
 
 @pytest.mark.parametrize(
