@@ -11,7 +11,9 @@ from scipy import stats
 
 from fmus.satellite.gps_solver import GpsSolver
 from fmus.satellite.signals import PLACES
+from fmus.satellite.signals import signals as bundle_of_signals
 from models.satellite import differential, dilution, protection_level
+from navfmu.export import Component, Output, Parameter, every
 from tests.models.made_signals import LIGHT, Place, signals
 from tests.models.native import Native
 
@@ -281,3 +283,24 @@ def test_alarms_come_as_often_as_they_are_allowed(solver):
     assert found["threshold"][-1] == pytest.approx(stats.chi2.isf(1e-2, 4), rel=1e-9)
     low, high = stats.binom.ppf([5e-7, 1 - 5e-7], 4000, 1e-2)
     assert low <= count <= high
+
+
+def test_what_measures_has_the_bundle_of_what_solves():
+    """Names, shapes and types, so that one connection is enough; the solver of a system takes whatever publishes it."""
+
+    class Measuring(Component):
+        """What measures."""
+
+        tick_period = Parameter("s", start=1.0)
+        signals = bundle_of_signals(Output)
+
+        @every("tick_period")
+        def measure(self):
+            self.signals.publish(pseudorange=np.full(PLACES, 2e7))
+
+    def told(component):
+        fields = component.layout.fields.values()
+        return {f.name: (f.shape, f.type) for f in fields if f.name.startswith("signals.") and "lost" not in f.name}
+
+    assert told(Measuring) == told(GpsSolver)
+    assert len(told(Measuring)) == 17
