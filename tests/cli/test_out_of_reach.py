@@ -34,6 +34,8 @@ PLACES = {
     "the FMU of a table": ["table", "{path}.fmu"],
     "a table to write": ["table", "{tracker}", "t", "--out", "{path}.csv"],
     "numbers for a table": ["table", "{tracker}", "t", "--from", "{path}.csv", "--out", "{folder}/t.fmu"],
+    "orbits": ["orbits", "{path}"],
+    "a table of orbits to write": ["orbits", "{folder}/track.csv", "--out", "{path}.csv"],
     "a folder for a component": ["new", "radio", "--folder", "{path}"],
     "a result": ["run", "{tracker}", "--out", "{path}.csv"],
     "a report": ["run", "{tracker}", "--report", "{path}"],
