@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+OBSERVATIONS = "observations"
+
 
 @click.command("replay")
 @click.argument("sensor")
@@ -23,19 +25,24 @@ import click
 )
 @click.option("--changes-only", is_flag=True, help="Leave out samples that repeat the one before.")
 @click.option("--unchecked", is_flag=True, help="Take what is not plausible, and say it.")
+@click.option("--nav", multiple=True, type=click.Path(), help="Orbits for observations: a RINEX navigation file.")
 @click.option("--name", help="Name of the model; by default that of the file.")
 @click.option("--picture", type=click.Path(dir_okay=False), help="Also draw the samples into this PNG file.")
-def command(sensor, file, out, name, picture, columns, units, axes, add, values, **others):
-    """Make an FMU with the interface of SENSOR (imu, magnetometer, air_data, gps) from the samples in FILE.
+def command(sensor, file, out, name, picture, nav, columns, units, axes, add, values, **others):
+    """Make an FMU with the interface of SENSOR from the samples in FILE.
+
+    SENSOR is imu, magnetometer, air_data, gps or observations.
 
     FILE is a table, CSV or Parquet, or a log of PX4 (.ulg). Each sample is published at the first tick that is not
-    before its time. What is found in the file, and what is lost, is printed.
+    before its time. What is found in the file, and what is lost, is printed. For observations of satellites FILE is a
+    RINEX file of version 2 or 3, --nav names one of orbits (or several), and the FMU feeds gps_solver.
 
     \b
     navfmu replay imu flight.parquet --out imu_flight.fmu
     navfmu replay imu flight.csv --out imu_flight.fmu --column rate=gx,gy,gz --unit rate=deg/s \\
         --column specific_force=ax,ay,az --unit specific_force=g --axes x,-y,-z --unit time=ms
     navfmu replay gps flight.csv --out gps_flight.fmu --unit latitude="1e-7 deg" --age 0.2
+    navfmu replay observations esbc1770.20o --nav brdc1770.20n.gz --out observations.fmu
     """
     from navfmu.errors import NavfmuError, nearest
     from navfmu.recorded.replay.asked import Asked, named
@@ -59,13 +66,51 @@ def command(sensor, file, out, name, picture, columns, units, axes, add, values,
         values=named(values, "--value"),
         **others,
     )
-    imported = import_samples(_read(file, sensor), shipped.path(f"{sensor}{SUFFIX}.fmu"), asked)
-    imported.write(out, name)
-    if picture:
+    player = shipped.path(f"{sensor}{SUFFIX}.fmu")
+    if sensor == OBSERVATIONS:
+        from navfmu.recorded.observations.picture import draw
+
+        imported = _observations(file, nav, player, asked)
+    elif nav:
+        raise NavfmuError(f"--nav: orbits are for {OBSERVATIONS}; expected no --nav for {sensor}")
+    else:
         from navfmu.recorded.replay.picture import draw
 
+        imported = import_samples(_read(file, sensor), player, asked)
+    imported.write(out, name)
+    if picture:
         draw(imported, picture)
     _print(imported, out, picture)
+
+
+def _observations(file, nav, player, asked):
+    """Observations of satellites; of what can be said of a table little is for them."""
+    import dataclasses
+
+    from navfmu.errors import NavfmuError, nearest
+    from navfmu.recorded.observations.epochs import USUAL
+    from navfmu.recorded.observations.importer import import_observations
+    from navfmu.recorded.replay.asked import Asked
+
+    if not nav:
+        raise NavfmuError(f"{OBSERVATIONS} need orbits; expected --nav with a RINEX navigation file")
+    taken = ("columns", "start", "unchecked")
+    for field in dataclasses.fields(Asked):
+        if field.name not in taken and getattr(asked, field.name) != getattr(Asked(), field.name):
+            option = {"values": "value", "units": "unit"}.get(field.name, field.name.replace("_", "-"))
+            raise NavfmuError(
+                f"--{option} is not for {OBSERVATIONS}; expected at most --column, --start, --unchecked, --name and "
+                "--picture"
+            )
+    dataclasses.replace(asked, columns={}).check([], [])
+    for name, columns in asked.columns.items():
+        if name not in USUAL or len(columns) != 1:
+            raise NavfmuError(
+                f"--column {name}={','.join(columns)}: expected one of {', '.join(USUAL)}, with one observation of "
+                f"RINEX 3, as in --column pseudorange=C1W{nearest(name, USUAL)}"
+            )
+    names = {name: column for name, (column,) in asked.columns.items()}
+    return import_observations(file, nav, player, names, asked.start, asked.unchecked)
 
 
 def _read(file, sensor):

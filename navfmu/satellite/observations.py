@@ -31,6 +31,7 @@ class Observations:
         GPS from 1 on, NaN where nothing was measured
     position_e : (3,) approximate position of the antenna's marker, m, or None
     remarks : what was found, and what was left out
+    doubts : what is not plausible
     """
 
     source: str
@@ -40,6 +41,7 @@ class Observations:
     values: dict[str, np.ndarray]
     position_e: np.ndarray | None
     remarks: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.week)
@@ -67,7 +69,7 @@ class Observations:
             if gaps := int(np.count_nonzero(interval > 1.5 * usual)):
                 longest = int(np.argmax(interval))
                 told.append(f"{gaps} gap(s); the longest lasts {interval[longest]:g} s from {moment(at[longest])}")
-        return told + list(self.remarks)
+        return [*told, *self.remarks, *self.doubts]
 
 
 def read_observations(path: str | Path) -> Observations:
@@ -94,7 +96,6 @@ def read_observations(path: str | Path) -> Observations:
     if others:
         remarks.append(f"satellites of the systems {', '.join(others)} are left out")
     week, second = np.array([(epoch.week, epoch.second) for epoch in found]).T
-    remarks += _of_leap_seconds(second, int(week[0]))
     return Observations(
         str(path),
         marker[1].strip() if marker else "",
@@ -103,6 +104,7 @@ def read_observations(path: str | Path) -> Observations:
         values,
         _position(lines, header),
         tuple(remarks),
+        tuple(_of_leap_seconds(second, int(week[0]))),
     )
 
 

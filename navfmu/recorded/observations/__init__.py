@@ -1,0 +1,1 @@
+"""Recorded observations of satellites as an FMU."""

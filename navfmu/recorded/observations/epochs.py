@@ -1,0 +1,141 @@
+"""Epochs of observations as rows of a table: each satellite in a place of its own while it is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.satellite.calendar import WEEK
+from navfmu.satellite.observations import Observations
+from navfmu.satellite.orbits import Orbits, moment
+
+WAVELENGTH = 299792458.0 / 1575.42e6
+"""Of L1, m."""
+USUAL = {"pseudorange": "C1C", "range_rate": "D1C", "signal_to_noise": "S1C"}
+"""Quantities, and the names of observations that they are taken from."""
+KINDS = {"pseudorange": "C", "range_rate": "D", "signal_to_noise": "S"}
+"""What their names begin with; the 1 of L1 follows."""
+
+
+@dataclass(frozen=True)
+class Epochs:
+    """What was measured on L1, complete measurements only.
+
+    Attributes
+    ----------
+    time : (n,) s, from t = 0 on
+    week, second : (n,) time tags, GPS week and second of it
+    number : (n, places) PRN, 0 where none is
+    pseudorange, range_rate, signal_to_noise : (n, places) m, m/s, dB-Hz
+    before : epochs before t = 0, which are left out
+    lacking : pseudoranges without a Doppler, which are left out
+    """
+
+    time: np.ndarray
+    week: np.ndarray
+    second: np.ndarray
+    number: np.ndarray
+    pseudorange: np.ndarray
+    range_rate: np.ndarray
+    signal_to_noise: np.ndarray
+    before: int
+    lacking: int
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def moment(self, row: int) -> str:
+        """When an epoch was, for people."""
+        return moment(self.week[row] * WEEK + self.second[row])
+
+    def table(self) -> list[np.ndarray]:
+        """Columns of the player's table, each (n,)."""
+        one = np.ones(len(self))
+        times = [self.time, self.time, np.arange(1.0, len(self) + 1.0), one, self.week, self.second]
+        measured = (self.number, self.pseudorange, self.range_rate, self.signal_to_noise)
+        return [*times, *(column for values in measured for column in values.T)]
+
+
+def take(found: Observations, places: int, names: Mapping[str, str], start: float | None = None) -> Epochs:
+    """Return the epochs of observations.
+
+    Parameters
+    ----------
+    places : how many satellites there may be at once
+    names : names of observations for some of USUAL
+    start : second of the first epoch's week that is t = 0; without it the first epoch is
+    """
+    code, doppler, strength = (_named(found, what, names.get(what, usual)) for what, usual in USUAL.items())
+    begin = float(found.second[0]) if start is None else start
+    time = np.round((found.week - found.week[0]) * WEEK + (found.second - begin), 7)
+    rows = np.flatnonzero(time >= 0.0)
+    if not len(rows):
+        raise NavfmuError(
+            f"{found.source}: all epochs are before --start {begin:g}; expected a second of the week of its first "
+            f"epoch, which is {found.second[0]:g}"
+        )
+    code, doppler, strength = code[rows], doppler[rows], strength[rows]
+    complete = np.isfinite(code) & np.isfinite(doppler)
+    number = _placed(complete, places, found, rows)
+    column = np.maximum(number.astype(int) - 1, 0)
+
+    def at_places(values: np.ndarray) -> np.ndarray:
+        return np.where(number > 0.0, np.nan_to_num(np.take_along_axis(values, column, axis=1)), 0.0)
+
+    return Epochs(
+        time[rows],
+        found.week[rows],
+        found.second[rows],
+        number,
+        at_places(code),
+        at_places(-WAVELENGTH * doppler),
+        at_places(strength),
+        int(rows[0]),
+        int(np.count_nonzero(np.isfinite(code) & ~complete)),
+    )
+
+
+def held(epochs: Epochs, orbits: Orbits) -> np.ndarray:
+    """Return for which measurements, (n, places), there is an orbit of a healthy satellite that holds then: the
+    nearest one by its t_oe, as the player takes it."""
+    names = ("prn", "toe_week", "toe", "limit", "health")
+    prn, week, second, limit, health = (orbits.column(name) for name in names)
+    good = np.zeros(epochs.number.shape, bool)
+    for satellite in np.unique(epochs.number[epochs.number > 0.0]):
+        own = np.flatnonzero(prn == satellite)
+        if len(own):
+            row, place = np.nonzero(epochs.number == satellite)
+            away = np.abs((epochs.week[row, None] - week[own]) * WEEK + epochs.second[row, None] - second[own])
+            near = np.argmin(away, axis=1)
+            good[row, place] = (away[np.arange(len(row)), near] <= limit[own][near]) & (health[own][near] == 0.0)
+    return good
+
+
+def _named(found: Observations, what: str, name: str) -> np.ndarray:
+    if name[:1] != KINDS[what] or name[1:2] != "1":
+        known = [known for known in found.values if known[:2] == f"{KINDS[what]}1"]
+        have = ", ".join(known) or "none"
+        raise NavfmuError(
+            f"{what} is taken from '{name}'; expected a name that begins with {KINDS[what]}1, an observation on L1; "
+            f"{found.source} has {have}{nearest(name, known)}"
+        )
+    return found.named(name)
+
+
+def _placed(complete: np.ndarray, places: int, found: Observations, rows: np.ndarray) -> np.ndarray:
+    """Numbers of satellites (n, places): one keeps its place while it is measured, a new one has the first free."""
+    now = np.zeros(places)
+    numbers = np.zeros((len(complete), places))
+    for k, seen in enumerate(complete):
+        there = np.flatnonzero(seen) + 1.0
+        if len(there) > places:
+            at = moment(found.week[rows[k]] * WEEK + found.second[rows[k]])
+            raise NavfmuError(f"{found.source}: {len(there)} satellites of GPS at {at}; expected at most {places}")
+        now = np.where(np.isin(now, there), now, 0.0)
+        new = np.setdiff1d(there, now)
+        now[np.flatnonzero(now == 0.0)[: len(new)]] = new
+        numbers[k] = now
+    return numbers
