@@ -158,6 +158,6 @@ def _of_another_time(found: Observations, epochs: Epochs, orbits: Orbits) -> Non
     why = f"; they are {turns} turns of {ROLLOVER} weeks apart" if turns and abs(apart - turns * ROLLOVER) < 1 else ""
     raise NavfmuError(
         f"{orbits.source}: at no epoch there are orbits for {FEWEST} of the satellites: they are of "
-        f"{moment(toe.min())} to {moment(toe.max())}, and {found.source} is of {epochs.moment(0)} to {epochs.moment(-1)}{why}; expected "
-        f"orbits within {orbits.column('limit').max() / 3600.0:g} h"
+        f"{moment(toe.min())} to {moment(toe.max())}, and {found.source} is of {epochs.moment(0)} to "
+        f"{epochs.moment(-1)}{why}; expected orbits within {orbits.column('limit').max() / 3600.0:g} h"
     )
