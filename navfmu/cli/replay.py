@@ -26,9 +26,12 @@ OBSERVATIONS = "observations"
 @click.option("--changes-only", is_flag=True, help="Leave out samples that repeat the one before.")
 @click.option("--unchecked", is_flag=True, help="Take what is not plausible, and say it.")
 @click.option("--nav", multiple=True, type=click.Path(), help="Orbits for observations: a RINEX navigation file.")
+@click.option(
+    "--ionosphere", type=click.Path(dir_okay=False), help="Also write that of --nav as parameters of gps_solver, .ssv."
+)
 @click.option("--name", help="Name of the model; by default that of the file.")
 @click.option("--picture", type=click.Path(dir_okay=False), help="Also draw the samples into this PNG file.")
-def command(sensor, file, out, name, picture, nav, columns, units, axes, add, values, **others):
+def command(sensor, file, out, name, picture, nav, ionosphere, columns, units, axes, add, values, **others):
     """Make an FMU with the interface of SENSOR from the samples in FILE.
 
     SENSOR is imu, magnetometer, air_data, gps or observations.
@@ -45,6 +48,7 @@ def command(sensor, file, out, name, picture, nav, columns, units, axes, add, va
     navfmu replay observations esbc1770.20o --nav brdc1770.20n.gz --out observations.fmu
     """
     from navfmu.errors import NavfmuError, nearest
+    from navfmu.files.writing import write_file
     from navfmu.recorded.replay.asked import Asked, named
     from navfmu.recorded.replay.importer import SUFFIX, import_samples
     from navfmu.system import shipped
@@ -53,6 +57,8 @@ def command(sensor, file, out, name, picture, nav, columns, units, axes, add, va
     check_file(out, ".fmu")
     if picture is not None:
         check_file(picture, ".png")
+    if ionosphere is not None:
+        check_file(ionosphere, ".ssv")
     if name is not None and not name.strip():
         raise NavfmuError("--name is empty; leave it out to take the name of the file")
     known = [n.removesuffix(f"{SUFFIX}.fmu") for n in shipped.names(".fmu") if n.endswith(f"{SUFFIX}.fmu")]
@@ -71,12 +77,14 @@ def command(sensor, file, out, name, picture, nav, columns, units, axes, add, va
         from navfmu.recorded.observations.picture import draw
 
         imported = _observations(file, nav, player, asked)
-    elif nav:
-        raise NavfmuError(f"--nav: orbits are for {OBSERVATIONS}; expected no --nav for {sensor}")
+    elif nav or ionosphere:
+        raise NavfmuError(f"--{'nav' if nav else 'ionosphere'} is for {OBSERVATIONS}; expected none for {sensor}")
     else:
         from navfmu.recorded.replay.picture import draw
 
         imported = import_samples(_read(file, sensor), player, asked)
+    if ionosphere:
+        write_file(ionosphere, imported.ionosphere(shipped.path("gps_solver.fmu")))
     imported.write(out, name)
     if picture:
         draw(imported, picture)

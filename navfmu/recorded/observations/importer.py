@@ -13,6 +13,7 @@ from navfmu.files.archive import zipped
 from navfmu.files.writing import write_file
 from navfmu.fmi import tables
 from navfmu.fmi.fmu import describe
+from navfmu.fmi.values import expand
 from navfmu.recorded.archive import DESCRIPTION, described
 from navfmu.recorded.observations.doubts import doubts
 from navfmu.recorded.observations.epochs import Epochs, held, take
@@ -23,6 +24,7 @@ from navfmu.satellite.calendar import ROLLOVER, WEEK
 from navfmu.satellite.file import read_orbits
 from navfmu.satellite.observations import Observations, read_observations
 from navfmu.satellite.orbits import Orbits, joined, moment
+from navfmu.ssp.writer import values_document
 
 OBSERVATIONS, ORBITS = "observations", "orbits"
 FEWEST = 4
@@ -98,6 +100,16 @@ class Imported:
         text = f"Recorded observations {file}: {len(self.epochs)} epochs in {self.duration:.1f} s"
         files[DESCRIPTION] = described(files[DESCRIPTION], name, text, self.duration)
         return write_file(out, zipped(recorded(files, name, text, self._account(name, file))))
+
+    def ionosphere(self, solver: str | Path) -> bytes:
+        """Return the parameter set (.ssv) of the FMU ``solver`` with the ionosphere that the satellites sent."""
+        if self.orbits.ionosphere is None:
+            raise NavfmuError(f"{self.orbits.source}: has no coefficients of the ionosphere in its header")
+        description = describe(solver)
+        names = ("ionosphere_alpha", "ionosphere_beta")
+        values = {name: sent.tolist() for name, sent in zip(names, self.orbits.ionosphere, strict=True)}
+        text = f"Ionosphere of {visible(Path(self.orbits.source).name)}"
+        return values_document(description, expand(description, values, str(solver)), text)
 
     def _account(self, name: str, file: str) -> str:
         lines = [f"{name}, observations of {file}", "", *self.sentences(), ""]
