@@ -84,3 +84,20 @@ def solver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.n
             f"satellite {i + 1}": outputs["used"][:, i] + 1.2 * i for i in (WRONG - 1, WRONG, WRONG + 1)
         },
     }
+
+
+def jammed_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """Level flight to the west; a jammer is on the air from FAULT on for 20 s."""
+    flight = gps_inputs(time)
+    flight.pop("jammed")
+    power = np.zeros((len(time), 4))
+    power[(time >= FAULT) & (time < FAULT + 20.0), 0] = 10.0
+    return {**flight, "jammer_power": power}
+
+
+def receiver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    """C/N0 of the satellites that are tracked."""
+    tracked, number = outputs["signals.tracked"] > 0.0, outputs["signals.number"]
+    seen = [i for i in range(tracked.shape[1]) if tracked[:, i].any()]
+    ratio = np.where(tracked, outputs["signals.signal_to_noise"], np.nan)
+    return {"C/N0 (dB-Hz)": {f"PRN {int(number[:, i].max())}": ratio[:, i] for i in seen}}

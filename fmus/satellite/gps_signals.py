@@ -1,0 +1,379 @@
+"""The FMU ``gps_signals``: what a GPS receiver measures of the satellites of a constellation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fmus.satellite import examples
+from fmus.satellite.gps import Gps
+from fmus.satellite.signals import PLACES, signals
+from models.attitude import attitude
+from models.earth import earth
+from models.processes import gauss_markov
+from models.processes.known import known
+from models.radio import dme
+from models.satellite import (
+    ageing,
+    antenna,
+    gps,
+    gps_time,
+    klobuchar,
+    multipath,
+    receiver_clock,
+    reception,
+    saastamoinen,
+    selection,
+    sight,
+    signal_power,
+    slots,
+    tracking,
+)
+from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu.export import Component, Example, Grid, Input, Output, Parameter, State, Table, every, require, start
+
+SATELLITES = 32
+JAMMERS = 4
+LOWEST = float(np.radians(2.0))
+"""Elevation below which delays grow no more."""
+
+
+class GpsSignals(Component):
+    """Receiver of GPS at the level of signals: pseudoranges, range rates and C/N0 of the satellites that it tracks.
+
+    Satellites. The table `orbits` has their orbits and clocks (IS-GPS-200): as built the 24 nominal slots;
+    `navfmu orbits` makes it of broadcast ephemerides or of an almanac. What they say of themselves is told with the
+    measurements; a range is longer or shorter by their own error of orbit and clock, a Gauss-Markov process whose
+    standard deviation grows with `upload_age`.
+
+        pseudorange = r + c (dt - dt_s) + I + T + own error + multipath + noise
+
+    r through empty space while the earth turns, dt the receiver's clock, dt_s the satellite's with relativity and group
+    delay; I Klobuchar's delay by the coefficients that are sent, times `ionosphere_scale` and a common Gauss-Markov
+    factor; T Saastamoinen's with a common Gauss-Markov error; multipath that of RTCA DO-229 times `multipath_scale`.
+
+    Signals. C/N0 is of the free-space loss, the `antenna` (a grid over azimuth and elevation in the body's axes, which
+    stands upright on the roof: a bank hides satellites) and noise with that of jammers, whose power falls with the
+    square of the distance and ends at their radio horizon. Code and phase noise are those of loops (`loop_bandwidth`
+    ...). A satellite is lost below the C/N0 at which `lock_sigmas` of the code's noise are half the spacing, but not
+    less than `carrier_threshold`, and found again once it has been above `acquisition_threshold` for
+    `acquisition_time` (RTO MP-43, Sabatini: 20 s). Each `search_period` satellites that have come above
+    `elevation_mask` are given places, while one of `channels` is free, and keep them until they set.
+
+    Clock. Bias and drift with white noise of frequency and of its rate; acceleration changes the frequency by
+    `clock_sensitivity` times specific force.
+
+    Not modelled: scintillation, half cycles, the message itself (a satellite that is tracked has told its orbit).
+    """
+
+    name = "gps_signals"
+    example = Example(
+        text="The 24 slots over level flight to the west. From 40 s on (dotted) a jammer of 10 W, 20 km ahead, is on "
+        "the air for 20 s: C/N0 falls, all are lost, and found again 20 s after it has stopped.",
+        duration=120.0,
+        step=1.0,
+        mark=40.0,
+        inputs=examples.jammed_inputs,
+        shows=("satellites", "jamming"),
+        panels=examples.receiver_panels,
+    )
+
+    latitude = Gps.latitude
+    longitude = Gps.longitude
+    altitude = Gps.altitude
+    velocity_n = Gps.velocity_n
+    roll = Gps.roll
+    pitch = Gps.pitch
+    heading = Gps.heading
+    specific_force = Input(3, "m/s2", description="true specific force in b, changes the frequency of the clock")
+    jammed = Input(kind="boolean", fault=True, description="fault: interference, no signal is left")
+    jammer_power = Input(JAMMERS, "W", fault=True, description="fault: each jammer radiates this, EIRP")
+    region_radius = Input("m", fault=True, description="fault: no signal is left within this of the region's middle")
+    satellite_off = Input(SATELLITES, kind="boolean", fault=True, description="fault: satellite of this PRN is silent")
+    range_step = Input(SATELLITES, "m", fault=True, description="fault: satellite of this PRN is too far by this")
+    range_ramp = Input(
+        SATELLITES, "m/s", fault=True, description="fault: rate at which it runs away while this is not 0"
+    )
+    accuracy_lie = Input(
+        "1", fault=True, description="fault: satellites' own errors are larger by this times what they say"
+    )
+    clock_jump = Input("s", fault=True, description="fault: the receiver's clock is ahead by this")
+    spoofing_n = Input(3, "m", fault=True, description="fault: all signals are those of a place that is off, n")
+    spoofing_rate_n = Input(3, "m/s", fault=True, description="fault: rate at which that place is carried off, n")
+
+    start_week = Parameter(kind="integer", start=slots.EPOCH[0], min=0, max=9999, description="GPS week at t = 0")
+    start_seconds = Parameter(
+        "s", start=slots.EPOCH[1], min=0.0, max=gps_time.WEEK, description="GPS seconds of that week at t = 0"
+    )
+    measurement_period = Parameter("s", start=1.0, min=0.01, max=60.0, description="period of measurements")
+    search_period = Parameter(
+        "s", start=10.0, min=0.01, max=3600.0, description="how often is looked for new satellites"
+    )
+    elevation_mask = Parameter(
+        "rad",
+        start=float(np.radians(5.0)),
+        min=float(np.radians(2.0)),
+        max=1.0,
+        display_unit="deg",
+        description="lower satellites are not tracked",
+    )
+    channels = Parameter(kind="integer", start=PLACES, min=1, max=PLACES, description="satellites tracked at most")
+    signal_margin = Parameter("1", start=2.0, description="power above the least guaranteed one, dB")
+    noise_density = Parameter("1", start=signal_power.NOISE_DENSITY, description="of receiver and antenna, dBW/Hz")
+    loop_bandwidth = Parameter("Hz", start=0.5, min=1e-3, max=50.0, description="of the code loop, one-sided")
+    detection_bandwidth = Parameter("Hz", start=50.0, min=1.0, max=1e3, description="before detection: 1 / time")
+    spacing = Parameter("1", start=0.5, min=0.02, max=1.5, description="of early and late, chips")
+    phase_bandwidth = Parameter("Hz", start=10.0, min=0.1, max=100.0, description="of the carrier loop")
+    rate_interval = Parameter("s", start=0.1, min=1e-3, max=10.0, description="between phases that make a range rate")
+    lock_sigmas = Parameter("1", start=3.0, min=0.5, max=10.0, description="sigmas within half the spacing")
+    carrier_threshold = Parameter("1", start=25.0, description="least C/N0 of the carrier loop, dB-Hz")
+    acquisition_threshold = Parameter("1", start=33.0, description="least C/N0 to find a signal, dB-Hz")
+    acquisition_time = Parameter("s", start=20.0, min=0.0, max=1e4, description="to find it (RTO MP-43: 20 s)")
+    own_sigma = Parameter("m", start=1.0, min=0.0, description="standard deviation of orbit and clock in a range")
+    own_time = Parameter("s", start=3600.0, min=1.0, description="correlation time of it")
+    upload_age = Parameter("s", start=0.0, min=0.0, description="since satellites were told orbits and clocks")
+    accuracy = Parameter("m", start=2.4, min=0.0, description="user range accuracy, where a satellite tells none")
+    ionosphere_alpha = Parameter(
+        4,
+        "s",
+        start=(3.82e-8, 1.49e-8, -1.79e-7, 0.0),
+        description="Klobuchar's amplitude as sent, s by semicircles; start values of a published example",
+    )
+    ionosphere_beta = Parameter(
+        4, "s", start=(1.43e5, 0.0, -3.28e5, 1.13e5), description="Klobuchar's period as sent, s by semicircles"
+    )
+    ionosphere_scale = Parameter("1", start=1.0, min=0.0, description="true delay over that by what is sent")
+    ionosphere_sigma = Parameter("1", start=0.2, min=0.0, description="standard deviation of this factor")
+    ionosphere_time = Parameter("s", start=1800.0, min=1.0, description="correlation time of it")
+    humidity = Parameter("1", start=saastamoinen.HUMIDITY, min=0.0, max=1.0, description="relative humidity, no unit")
+    troposphere_sigma = Parameter("m", start=0.05, min=0.0, description="standard deviation at the zenith")
+    troposphere_time = Parameter("s", start=3600.0, min=1.0, description="correlation time of it")
+    multipath_scale = Parameter("1", start=1.0, min=0.0, description="times that of RTCA DO-229")
+    multipath_time = Parameter("s", start=60.0, min=1.0, description="correlation time of it")
+    clock_bias_start = Parameter("s", start=1e-4, min=-1.0, max=1.0, description="receiver's clock at t = 0")
+    clock_drift_start = Parameter("1", start=1e-7, min=-1e-4, max=1e-4, description="rate of it, s/s")
+    clock_h0 = Parameter("s", start=receiver_clock.H0, min=0.0, description="white frequency noise, Allan's h_0")
+    clock_h2 = Parameter("1/s", start=receiver_clock.H2, min=0.0, description="random walk of it, Allan's h_-2")
+    clock_sensitivity = Parameter(
+        3, "s2/m", start=1e-10, description="frequency by specific force in b, relative: 1e-9 per g"
+    )
+    jammer_latitude = Parameter(
+        JAMMERS, "rad", start=np.radians(37.7), display_unit="deg", description="of each jammer"
+    )
+    jammer_longitude = Parameter(
+        JAMMERS, "rad", start=np.radians(-122.0), display_unit="deg", description="of each jammer"
+    )
+    jammer_altitude = Parameter(JAMMERS, "m", start=30.0, description="of each jammer, above the ellipsoid")
+    jammer_spread = Parameter("1", start=1.0, min=0.5, max=5.0, description="Q: 1 narrow band, 2 spread as the code")
+    region_latitude = Parameter("rad", start=np.radians(37.7), display_unit="deg", description="middle of a region")
+    region_longitude = Parameter("rad", start=np.radians(-122.0), display_unit="deg", description="middle of it")
+
+    orbits = Table(columns=COLUMNS, rows=slots.constellation(), key="place")
+    antenna = Grid(
+        axes=(("azimuth", "rad", antenna.AZIMUTHS), ("elevation", "rad", antenna.ELEVATIONS)),
+        surfaces=(("gain", "1", antenna.PATCH),),
+    )
+
+    signals = signals(Output)
+    satellites = Output(kind="integer", description="number of satellites tracked")
+    elevation = Output(PLACES, "rad", display_unit="deg", description="of the satellites, above the horizon")
+    jamming = Output("1", start=-300.0, description="power of all jammers at the antenna's element, dBW")
+    clock_bias = Output("s", description="receiver's clock ahead of GPS time")
+    clock_drift = Output("1", description="rate of it")
+
+    placed = State(PLACES, kind="integer", description="PRN of the satellite that has this place, 0: none")
+    strong_for = State(PLACES, "s", description="how long the signal has been strong enough to be found")
+    own = State(PLACES, "1", description="own error, over its sigma")
+    reflected = State(PLACES, "1", description="multipath, over its sigma")
+    common = State(2, "1", description="error of ionosphere and troposphere, over their sigmas")
+    run_away = State(SATELLITES, "m", description="by range_ramp")
+    carried_n = State(3, "m", description="by spoofing_rate_n")
+    bias = State("s", description="of the clock without a jump")
+    drift = State("1", description="rate of it without acceleration")
+    clock_covariance = State((2, 2), "s2", description="of what the clock gains in a period")
+    least = State("1", description="C/N0 below which a satellite is lost, a ratio in Hz")
+
+    @require("satellites are looked for before anything is measured: expected search_period from measurement_period on")
+    def search_after_measurement(self):
+        return self.search_period >= self.measurement_period
+
+    @start
+    def begin(self, noise):
+        normal = noise(2 * PLACES + 2)
+        self.own, self.reflected, self.common = normal[:PLACES], normal[PLACES : 2 * PLACES], normal[2 * PLACES :]
+        self.bias, self.drift = self.clock_bias_start, self.clock_drift_start
+        self.clock_covariance = receiver_clock.covariance(
+            receiver_clock.densities(self.clock_h0, self.clock_h2), self.measurement_period
+        )
+        code = tracking.threshold(self.lock_sigmas, self.loop_bandwidth, self.detection_bandwidth, self.spacing)
+        self.least = np.maximum(code, signal_power.ratio(self.carrier_threshold))
+        self.strong_for = np.full(PLACES, 1.0) * self.acquisition_time
+
+    @every("search_period", offset="measurement_period")
+    def search(self):
+        """Give free places to satellites above the mask that have none, in the order of their numbers."""
+        week, second = self._now()
+        position_e, _, c_ne, finite = self._motion()
+        prn = np.arange(1, SATELLITES + 1)
+        orbit, usable = self._orbits(1.0 * prn, week, second)
+        _, satellite, *_ = reception.received(orbit, week, second, position_e)
+        _, unit_e = sight.ranges(position_e, satellite)
+        up = -(unit_e @ c_ne.T)[:, 2] >= np.sin(self.elevation_mask)
+        number = self.placed
+        placed = np.any(number[:, None] == prn, axis=0)
+        wanted = finite & usable & up & np.logical_not(placed)
+        free = (number == 0) & (np.arange(PLACES) < self.channels)
+        turn = np.where(wanted, np.cumsum(wanted), 0)
+        place = np.where(free, np.cumsum(free), -1)
+        found = np.sum(np.where(place[:, None] == turn, prn, 0), axis=1)
+        self.placed = np.where(free, found, number)
+
+    @every("measurement_period")
+    def measure(self, noise):
+        week, second = self._now()
+        position_e, velocity_e, c_ne, finite = self._motion()
+        number = self.placed
+        orbit, usable = self._orbits(number, week, second)
+        travel, satellite, satellite_velocity, clock, clock_rate = reception.received(orbit, week, second, position_e)
+        distance = sight.SPEED_OF_LIGHT * travel
+        unit_e = (sight.turned(satellite, travel) - position_e) / distance[:, None]
+        unit_n = unit_e @ c_ne.T
+        elevation = np.arcsin(np.clip(-unit_n[:, 2], -1.0, 1.0))
+        azimuth = np.arctan2(unit_n[:, 1], unit_n[:, 0])
+        up = finite & usable & (number > 0) & (elevation >= self.elevation_mask)
+
+        # what is received of it, and whether it is followed
+        c_nb = self._c_nb()
+        power = signal_power.of_satellite(distance, self.signal_margin) + self._gain(unit_n, c_nb)
+        interference = self._interference(c_ne, c_nb)
+        ratio = signal_power.carrier_to_noise(power, interference, self.noise_density, self.jammer_spread)
+        silent = self._by_number(self.satellite_off, number) > 0.0
+        heard = up & np.logical_not(silent | self.jammed | self._within_region(position_e))
+        strong = heard & (ratio >= signal_power.ratio(self.acquisition_threshold))
+        holding = heard & (ratio >= self.least)
+        tracked, self.strong_for = tracking.locked(
+            self.signals.tracked, self.strong_for, strong, holding, self.period, self.acquisition_time
+        )
+        ratio = np.where(tracked, ratio, 1e4)
+
+        # what is wrong with it
+        normal = np.reshape(noise(4 * PLACES), (4, PLACES))
+        shared = noise(4)
+        self.own = self._wander(self.own, self.own_time, normal[0])
+        self.reflected = self._wander(self.reflected, self.multipath_time, normal[1])
+        self.common = np.stack(
+            [
+                self._wander(self.common[0], self.ionosphere_time, shared[0]),
+                self._wander(self.common[1], self.troposphere_time, shared[1]),
+            ]
+        )
+        runs = self.range_ramp != 0.0
+        self.run_away = np.where(runs, self.run_away + self.period * known(self.range_ramp, 0.0), 0.0)
+        wrong = self._by_number(known(self.range_step, 0.0) + self.run_away, number)
+        own = ageing.sigma(self.own_sigma, self.upload_age) * (1.0 + known(self.accuracy_lie, 0.0)) * self.own
+        sigma = tracking.code_sigma(ratio, self.loop_bandwidth, self.detection_bandwidth, self.spacing)
+        error = own + wrong + self.multipath_scale * multipath.sigma(elevation) * self.reflected + sigma * normal[2]
+        rate_sigma = tracking.rate_sigma(ratio, self.phase_bandwidth, self.detection_bandwidth, self.rate_interval)
+        rate_error = self._by_number(known(self.range_ramp, 0.0), number) + rate_sigma * normal[3]
+
+        # the clock, and what the air adds
+        felt = np.sum(self.clock_sensitivity * known(self.specific_force, 0.0))
+        self.bias, self.drift = receiver_clock.advance(
+            self.bias, self.drift, felt, self.clock_covariance, self.period, shared[2:]
+        )
+        self.clock_bias = self.bias + known(self.clock_jump, 0.0)
+        self.clock_drift = self.drift + felt
+        latitude, longitude, altitude = self._place()
+        low = np.maximum(elevation, LOWEST)
+        scale = self.ionosphere_scale * np.maximum(1.0 + self.ionosphere_sigma * self.common[0], 0.0)
+        ionosphere = scale * klobuchar.delay(
+            latitude, longitude, elevation, azimuth, second, self.ionosphere_alpha, self.ionosphere_beta
+        )
+        zenith = sum(saastamoinen.zenith(latitude, altitude, self.humidity)) + self.troposphere_sigma * self.common[1]
+        delay = ionosphere + saastamoinen.slant(zenith, low)
+        pseudorange = distance + delay + sight.SPEED_OF_LIGHT * (self.clock_bias - clock) + error
+        range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
+        range_rate = range_rate + sight.SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
+
+        offset = known(self.spoofing_rate_n, 0.0)
+        self.carried_n = np.where(offset != 0.0, self.carried_n + self.period * offset, 0.0)
+        self.elevation = np.where(up, elevation, 0.0)
+        self.satellites = np.sum(np.where(tracked, 1, 0))
+        self.jamming = signal_power.decibel(np.maximum(interference, 1e-30))
+        self.placed = np.where(up, number, 0)
+        tag_week, tag_second = gps_time.normal(week, second + self.clock_bias)
+        row = tracked[:, None]
+        self.signals.publish(
+            week=tag_week,
+            seconds=tag_second,
+            tracked=tracked,
+            number=self.placed,
+            pseudorange=np.where(tracked, pseudorange, 0.0),
+            range_rate=np.where(tracked, range_rate, 0.0),
+            signal_to_noise=np.where(tracked, signal_power.decibel(ratio), 0.0),
+            satellite_e=np.where(row, satellite, 0.0),
+            satellite_velocity_e=np.where(row, satellite_velocity, 0.0),
+            satellite_clock=np.where(tracked, clock, 0.0),
+            satellite_clock_rate=np.where(tracked, clock_rate, 0.0),
+            accuracy=np.where(tracked & (orbit.accuracy > 0.0), orbit.accuracy, self.accuracy),
+            correction=np.zeros(PLACES),
+            corrected=np.zeros(PLACES) > 0.0,
+            valid=finite,
+        )
+
+    def _now(self):
+        return gps_time.normal(self.start_week, self.start_seconds + self.time)
+
+    def _place(self):
+        finite = np.isfinite(self.latitude + self.longitude + self.altitude)
+        north, east, down = self.carried_n + known(self.spoofing_n, 0.0)
+        altitude = np.where(finite, self.altitude, 0.0)
+        latitude, longitude = gps.displaced(
+            np.where(finite, self.latitude, 0.0), np.where(finite, self.longitude, 0.0), altitude, north, east
+        )
+        return latitude, longitude, altitude - down
+
+    def _motion(self):
+        """Position and velocity in e of the place whose signals come, C_ne there, and whether it is known."""
+        place = self._place()
+        c_ne = earth.north_east_down(*place[:2])
+        velocity_n = known(self.velocity_n, 0.0) + known(self.spoofing_rate_n, 0.0)
+        finite = np.isfinite(self.latitude + self.longitude + self.altitude + np.sum(self.velocity_n))
+        return earth.to_ecef(*place), velocity_n @ c_ne, c_ne, finite
+
+    def _c_nb(self):
+        return attitude.dcm(known(self.roll, 0.0), known(self.pitch, 0.0), known(self.heading, 0.0))
+
+    def _orbits(self, number, week, second):
+        """What the satellites say of their orbits, and whether it may be used."""
+        around = self.orbits.around(place=selection.place(number, week, second))
+        found = Ephemeris.of(around.row), Ephemeris.of(around.next_row)
+        orbit = selection.nearest(*found, number, week, second)
+        return orbit, selection.usable(orbit, number, week, second)
+
+    def _gain(self, unit_n, c_nb):
+        azimuth, elevation = antenna.direction(unit_n, c_nb)
+        return self.antenna.around(azimuth=azimuth, elevation=elevation).bilinear()[:, 0]
+
+    def _interference(self, c_ne, c_nb):
+        """Power of all jammers behind the antenna, W."""
+        position_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
+        line = earth.to_ecef(self.jammer_latitude, self.jammer_longitude, self.jammer_altitude).T - position_e
+        distance = np.maximum(np.sqrt(np.sum(line * line, axis=1)), 1.0)
+        power = signal_power.of_jammer(known(self.jammer_power, 0.0), distance)
+        power = power + self._gain((line / distance[:, None]) @ c_ne.T, c_nb)
+        reach = dme.horizon(self.altitude, self.jammer_altitude, 0.0)
+        return np.sum(np.where(distance <= reach, signal_power.ratio(power), 0.0))
+
+    def _within_region(self, position_e):
+        middle = earth.to_ecef(self.region_latitude, self.region_longitude, known(self.altitude, 0.0))
+        away = position_e - middle
+        return np.sum(away * away) < known(self.region_radius, 0.0) ** 2
+
+    def _by_number(self, values, number):
+        """Of a value for each PRN that of the satellites in each place, 0 where none is."""
+        prn = np.arange(1, SATELLITES + 1)
+        return np.sum(np.where(number[:, None] == prn, values, 0.0), axis=1)
+
+    def _wander(self, value, time_constant, normal):
+        phi = gauss_markov.decay(self.period, time_constant)
+        return gauss_markov.advance(value, phi, gauss_markov.drive(1.0, phi), normal)
