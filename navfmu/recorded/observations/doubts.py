@@ -45,10 +45,13 @@ def _rates(epochs: Epochs) -> Iterator[str]:
     apart, most = np.median(np.abs(rate - told)), 0.2 * np.median(np.abs(rate))
     if apart <= most:
         return
-    scales = {"with the other sign would agree": -1.0, "as m/s, not Hz, would agree": 1.0 / WAVELENGTH}
-    scales["as -m/s, not Hz, would agree"] = -1.0 / WAVELENGTH
+    scales = {
+        "with the other sign": -1.0,
+        "in m/s, positive where ranges shrink,": 1.0 / WAVELENGTH,
+        "in m/s, positive where ranges grow,": -1.0 / WAVELENGTH,
+    }
     better = [words for words, scale in scales.items() if np.median(np.abs(rate - scale * told)) <= most]
     yield (
         f"range rates differ from what pseudoranges change by, by {apart:.3g} m/s in the middle; expected less than "
-        f"{most:.3g}" + (f": Doppler {better[0]}" if better else "")
+        f"{most:.3g}" + (f": Doppler {better[0]} would agree" if better else "")
     )

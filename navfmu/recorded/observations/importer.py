@@ -167,7 +167,8 @@ def _of_another_time(found: Observations, epochs: Epochs, orbits: Orbits) -> Non
     at = epochs.week * WEEK + epochs.second
     apart = (np.median(at) - np.median(toe)) / WEEK
     turns = round(apart / ROLLOVER)
-    why = f"; they are {turns} turns of {ROLLOVER} weeks apart" if turns and abs(apart - turns * ROLLOVER) < 1 else ""
+    rolled = turns and abs(apart - turns * ROLLOVER) < 1.0
+    why = f"; they are {abs(turns) * ROLLOVER} weeks apart, by which weeks are told modulo {ROLLOVER}" if rolled else ""
     raise NavfmuError(
         f"{orbits.source}: at no epoch there are orbits for {FEWEST} of the satellites: they are of "
         f"{moment(toe.min())} to {moment(toe.max())}, and {found.source} is of {epochs.moment(0)} to "

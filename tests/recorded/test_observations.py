@@ -1,0 +1,227 @@
+"""Observations of a made sky become an FMU: what it gives out, and what gps_solver makes of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pymap3d
+import pytest
+from click.testing import CliRunner
+from fmpy.validation import validate_fmu
+
+from fmus.satellite.signals import PLACES
+from navfmu import NavfmuError, System
+from navfmu.cli.main import main
+from navfmu.recorded.observations.importer import import_observations
+from navfmu.ssp.writer import SystemSource
+from tests import built
+from tests.recorded.sky import SECOND, WEEK, Sky
+from tests.satellite import made
+from tests.satellite.made import written
+
+EPOCHS = np.arange(0.0, 300.0, 30.0)
+
+
+@pytest.fixture(scope="module")
+def player(tmp_path_factory):
+    return built.fmu("observations_replay", tmp_path_factory)
+
+
+@pytest.fixture
+def imported(player, tmp_path):
+    """Import texts of files."""
+
+    def take(observations, *navigation, **asked):
+        file = written(tmp_path, "seen.rnx.gz", observations)
+        nav = [written(tmp_path, f"nav{k}.rnx", text) for k, text in enumerate(navigation)]
+        return import_observations(file, nav, player, **asked)
+
+    return take
+
+
+@pytest.fixture
+def solved(tmp_path, tmp_path_factory):
+    """Fly a player and gps_solver in the master; columns by their names, a row for each epoch."""
+
+    def run(found, stop=None, tick=1.0, **parameters):
+        folder = tmp_path / "parts"
+        folder.mkdir(exist_ok=True)
+        found.write(folder / "observations.fmu")
+        (folder / "gps_solver.fmu").write_bytes(built.fmu("gps_solver", tmp_path_factory).read_bytes())
+        system = SystemSource("day", fmus=folder, stop_time=tick * np.ceil(found.duration / tick + 2.0), step=tick)
+        system.component("observations", "observations.fmu").component("solver", "gps_solver.fmu")
+        system.connect("observations.signals", "solver.signals")
+        system.parameters("solver", {"tick_period": tick, "ionosphere": 2, "troposphere": 3})  # both off
+        system.parameters("observations", {"tick_period": tick, **parameters})
+        system.write(tmp_path / "system")
+        result = System.load(tmp_path / "system").run(record=["observations", "solver"], record_period=tick)
+        return result[np.diff(result["solver.fix.sequence"], prepend=0) > 0]
+
+    return run
+
+
+def east_north_up(sky, result):
+    place = [result[f"solver.fix.{name}"].to_numpy() for name in ("latitude", "longitude", "altitude")]
+    return np.stack(pymap3d.geodetic2enu(*place, sky.latitude, sky.longitude, sky.altitude, deg=False), 1)
+
+
+def test_a_made_sky_gives_the_place_from_which_it_was_seen(imported, solved):
+    """Files round to 0.5 mm and 0.1 mm/s. Without group delay it is some m off, with satellites at reception 60 m,
+    with the other sign of Doppler hundreds of m/s."""
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation())
+    result = solved(found)
+    assert len(result) == len(EPOCHS) and result["solver.fix.valid"].all()
+    assert (result["solver.satellites"] >= 6).all()
+    np.testing.assert_allclose(east_north_up(sky, result), 0.0, atol=5e-3)
+    velocity = [result[f"solver.fix.velocity_n[{i}]"] for i in (1, 2, 3)]
+    np.testing.assert_allclose(velocity, 0.0, atol=1e-3)
+    np.testing.assert_allclose(result["solver.clock_bias"], sky.clock + sky.drift * EPOCHS, rtol=0, atol=2e-11)
+    np.testing.assert_allclose(result["solver.clock_drift"], sky.drift, rtol=0, atol=2e-12)
+    np.testing.assert_array_equal(result["observations.signals.week"], WEEK)
+    np.testing.assert_array_equal(result["observations.signals.seconds"], SECOND + EPOCHS)
+
+
+def test_a_satellite_keeps_its_place_and_a_new_one_has_the_first_that_is_free(imported):
+    sky = Sky()
+    seen = np.flatnonzero([sky.high(k, 0.0) for k in range(32)])
+    second = seen[1]
+    found = imported(
+        sky.observations(EPOCHS[:4], left_out=lambda k, time: k == second and time == 30.0), sky.navigation()
+    )
+    number = found.epochs.number
+    assert number.shape == (4, PLACES)
+    np.testing.assert_array_equal(number[0][: len(seen)], seen + 1)
+    assert number[1][1] == 0.0 and number[2][1] == second + 1
+    others = np.delete(number, 1, axis=1)
+    np.testing.assert_array_equal(others, np.tile(others[0], (4, 1)))
+
+
+def test_without_a_good_orbit_a_satellite_is_not_tracked(imported, solved):
+    """One satellite has none, one is unhealthy, and the sentence names both; places of the others are used."""
+    sky = Sky()
+    gone, ill = np.flatnonzero([sky.high(k, 0.0) for k in range(32)])[[0, 2]]
+    good = [k for k in range(32) if k not in (gone, ill)]
+    found = imported(sky.observations(EPOCHS), sky.navigation(of=good), sky.navigation(of=[ill], health=1.0))
+    (told,) = (sentence for sentence in found.sentences() if "not `tracked`" in sentence)
+    assert told.endswith(f"satellites {', '.join(map(str, sorted((gone + 1, ill + 1))))}")
+    result = solved(found)
+    tracked = np.stack([result[f"observations.signals.tracked[{i + 1}]"] for i in range(PLACES)], 1)
+    numbers = found.epochs.number
+    assert {gone + 1, ill + 1} < set(numbers.ravel())
+    np.testing.assert_array_equal(tracked, (numbers > 0) & ~np.isin(numbers, (gone + 1, ill + 1)))
+    np.testing.assert_allclose(east_north_up(sky, result), 0.0, atol=1e-2)
+    assert found.good.sum(axis=1).tolist() == result["solver.satellites"].tolist()
+
+
+def test_a_receiver_has_an_orbit_from_when_it_was_sent(imported, solved):
+    """The only orbits were sent 150 s after the first epoch: of a file all count, heard only from then on."""
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation(sent=150.0))
+    assert solved(found)["solver.fix.valid"].all()
+    heard = solved(found, future=False)
+    np.testing.assert_array_equal(heard["solver.fix.valid"], EPOCHS >= 150.0)
+
+
+def test_it_begins_where_it_is_told_to(imported, solved):
+    """t = 0 is second 345660 of the week: two epochs are left out, the others come a minute earlier."""
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation(), start=SECOND + 60.0)
+    assert any(sentence == "2 epoch(s) before t = 0 are left out" for sentence in found.sentences())
+    result = solved(found)
+    np.testing.assert_array_equal(result["observations.signals.seconds"], SECOND + EPOCHS[2:])
+    np.testing.assert_array_equal(result["observations.signals.time_of_validity"], EPOCHS[2:] - 60.0)
+
+
+def test_epochs_within_a_tick_are_lost_and_told(imported, solved):
+    sky = Sky()
+    found = imported(sky.observations(np.arange(0.0, 4.0, 0.05)), sky.navigation())
+    (told,) = (sentence for sentence in found.sentences() if "are lost" in sentence)
+    with pytest.warns(match=r"40 samples of 'solver\.signals' were lost"):
+        result = solved(found, tick=0.1)
+    assert told.startswith(f"with ticks of 0.1 s {80 - len(result)} of 80 epochs are lost")
+    np.testing.assert_allclose(east_north_up(sky, result), 0.0, atol=5e-3)
+
+
+def test_time_tags_of_utc_that_no_reader_sees_are_no_fix(imported, solved):
+    """At an epoch a second nothing shows that tags are 18 s late; positions would be kilometres off."""
+    sky = Sky()
+    found = imported(sky.observations(np.arange(0.0, 20.0), tags=-18.0), sky.navigation())
+    assert not solved(found, tick=0.5)["solver.fix.valid"].any()
+
+
+def test_an_fmu_of_observations_is_one_as_others(imported, tmp_path):
+    sky = Sky()
+    fmu = imported(sky.observations(EPOCHS), sky.navigation()).write(tmp_path / "seen.fmu")
+    assert validate_fmu(str(fmu)) == []
+
+
+@pytest.mark.parametrize(
+    ("observed", "sent", "words"),
+    [
+        ({}, {"weeks": -1024}, "they are 1024 weeks apart, by which weeks are told modulo 1024"),
+        ({}, {"toe": 86400.0 + 7200.0}, "at no epoch there are orbits for 4 of the satellites: they are of 2020-06-26"),
+        ({}, {"of": [0, 1]}, "at no epoch there are orbits for 4 of the satellites"),
+        ({"doppler": -1.0}, {}, "Doppler with the other sign would agree"),
+        ({"doppler": -299792458.0 / 1575.42e6}, {}, "Doppler in m/s, positive where ranges grow, would agree"),
+        ({"doppler": 1e3}, {}, "expected -12000 to 12000"),
+        ({"tags": -18.0}, {}, "as if they were counted in UTC, which is 18 s behind GPS time. If all is as it should"),
+    ],
+)
+def test_what_cannot_be_so_is_refused(imported, observed, sent, words):
+    sky = Sky()
+    with pytest.raises(NavfmuError, match=r"seen\.rnx\.gz") as told:
+        imported(sky.observations(EPOCHS[:4], **observed), sky.navigation(**sent))
+    assert words in str(told.value)
+
+
+def test_what_is_not_plausible_is_taken_and_told(imported):
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS[:4], tags=-18.0), sky.navigation(), unchecked=True)
+    assert any(sentence.startswith("not plausible, and taken: epochs are") for sentence in found.sentences())
+
+
+def test_files_that_are_cut_off_or_others(imported):
+    sky = Sky()
+    seen, sent = sky.observations(EPOCHS[:2]), sky.navigation()
+    for observations, navigation, words in (
+        (seen[: -len(seen) // 4], sent, "cut off"),
+        (seen, made.yuma(1, 2, week=2111), "is a YUMA almanac, whose satellites are off by a kilometre"),
+        (seen.replace("D1C", "D2C"), sent, "has no 'D1C'"),
+        (sent, sent, "expected a RINEX observation file"),
+    ):
+        with pytest.raises(NavfmuError, match=words):
+            imported(observations, navigation)
+
+
+def test_the_command(tmp_path, player, monkeypatch, tmp_path_factory):
+    """An FMU, a picture and the ionosphere's parameters; each wrong option is a sentence and nothing is written."""
+    from navfmu.system import shipped
+
+    for name in ("gps_solver", "gps_replay"):
+        built.fmu(name, tmp_path_factory)
+    monkeypatch.setattr(shipped, "folders", lambda: [player.parent])
+    sky = Sky()
+    seen = written(tmp_path, "seen.rnx", sky.observations(EPOCHS[:3]))
+    nav = written(tmp_path, "nav.rnx", sky.navigation())
+    out, ssv, png = (tmp_path / f"made.{end}" for end in ("fmu", "ssv", "png"))
+
+    def run(*arguments):
+        told = CliRunner().invoke(main, ["replay", *map(str, arguments), "--out", str(out)])
+        return told.exit_code, " ".join(told.output.split())
+
+    for arguments, words in (
+        (("observations", seen), "observations need orbits; expected --nav"),
+        (("observations", seen, "--nav", nav, "--unit", "range_rate=m/s"), "--unit is not for observations"),
+        (("observations", seen, "--nav", nav, "--column", "pseudorang=C1C"), "did you mean 'pseudorange'"),
+        (("observations", seen, "--nav", nav, "--column", "pseudorange=C2W"), "begins with C1"),
+        (("observations", seen, "--nav", nav, "--start", "345700"), "all epochs are before --start 345700"),
+        (("observations", seen, "--nav", nav, "--ionosphere", tmp_path / "a.txt"), "expected .ssv"),
+        (("gps", seen, "--nav", nav), "--nav is for observations"),
+    ):
+        code, told = run(*arguments)
+        assert code == 2 and words in told, told
+        assert not out.exists()
+    code, told = run("observations", seen, "--nav", nav, "--ionosphere", ssv, "--picture", png)
+    assert code == 0 and "3 epochs" in told and "ionosphere_alpha for gps_solver" in told, told
+    assert out.exists() and png.read_bytes()[1:4] == b"PNG"
+    assert b'name="ionosphere_beta[4]"' in ssv.read_bytes() and b"-524290.0" in ssv.read_bytes()
