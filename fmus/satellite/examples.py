@@ -91,7 +91,7 @@ def jammed_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
     flight = gps_inputs(time)
     flight.pop("jammed")
     power = np.zeros((len(time), 4))
-    power[(time >= FAULT) & (time < FAULT + 20.0), 0] = 10.0
+    power[(time >= FAULT) & (time < FAULT + 20.0), 0] = 100.0
     return {**flight, "jammer_power": power}
 
 

@@ -67,7 +67,7 @@ class GpsSignals(Component):
 
     name = "gps_signals"
     example = Example(
-        text="The 24 slots over level flight to the west. From 40 s on (dotted) a jammer of 10 W, 20 km ahead, is on "
+        text="The 24 slots over level flight to the west. From 40 s on (dotted) a jammer of 100 W, 16 km ahead, is on "
         "the air for 20 s: C/N0 falls, all are lost, and found again 20 s after it has stopped.",
         duration=120.0,
         step=1.0,
@@ -230,6 +230,8 @@ class GpsSignals(Component):
     @every("measurement_period")
     def measure(self, noise):
         week, second = self._now()
+        carries = known(self.spoofing_rate_n, 0.0)
+        self.carried_n = np.where(carries != 0.0, self.carried_n + self.period * carries, 0.0)
         position_e, velocity_e, c_ne, finite = self._motion()
         number = self.placed
         orbit, usable = self._orbits(number, week, second)
@@ -294,8 +296,6 @@ class GpsSignals(Component):
         range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
         range_rate = range_rate + sight.SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
 
-        offset = known(self.spoofing_rate_n, 0.0)
-        self.carried_n = np.where(offset != 0.0, self.carried_n + self.period * offset, 0.0)
         self.elevation = np.where(up, elevation, 0.0)
         self.satellites = np.sum(np.where(tracked, 1, 0))
         self.jamming = signal_power.decibel(np.maximum(interference, 1e-30))
