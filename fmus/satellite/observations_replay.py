@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import replay
-from fmus.satellite.signals import PLACES, signals
-from models.satellite import broadcast, selection, slots
+from fmus.satellite.gps_signals import SATELLITES, GpsSignals
+from fmus.satellite.signals import PLACES
+from models.processes.known import known
+from models.satellite import broadcast, selection, sight, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
-from navfmu.export import Component, Example, Output, Parameter, Table, every
+from navfmu.export import Component, Example, Parameter, Table, every
 
 MEASURED = (("number", "1"), ("pseudorange", "m"), ("range_rate", "m/s"), ("signal_to_noise", "1"))
 _OBSERVATIONS = (
@@ -30,8 +32,8 @@ _EXAMPLE = replay.made(
 )
 
 
-class ObservationsReplay(Component):
-    """Recorded pseudoranges and range rates of satellites of GPS, as gps_solver takes them.
+class ObservationsReplay(replay.face(GpsSignals), Component):
+    """Recorded pseudoranges and range rates of satellites of GPS, in the place of gps_signals.
 
     The table resources/observations.npy holds epochs: the time at which one comes, the time that it holds for, its
     number, whether it is valid, week and second of its time tag, and what was measured of the satellite in each place,
@@ -43,19 +45,28 @@ class ObservationsReplay(Component):
     `sequence` is the number of the epoch: where two come in one tick it jumps, and who takes the bundle counts what was
     lost. Behind the last epoch nothing comes any more.
 
+    The inputs are those of gps_signals, so that this FMU takes its place in a system; those of the truth do nothing.
+    Jammed, no satellite is tracked; one that is off is not, and one with a range step is too far by it. `clock_jump`
+    adds to the time tag and to all pseudoranges. `delay` makes all epochs late, and leaves the time that they hold for.
+
     `navfmu replay observations FILE --nav FILE --out NAME.fmu` writes this FMU with a RINEX file of yours; as built it
     holds a minute of made ranges to eight nominal satellites, of which no place can be made.
     """
 
     name = "observations_replay"
     example = Example(
-        steps={},
-        text="The built-in epochs: eight satellites, one epoch a second.",
+        text="The built-in epochs: eight satellites, one epoch a second, jammed from 40 s on (dotted).",
         step=1.0,
-        shows=("signals.pseudorange", "signals.tracked", "signals.sequence"),
+        mark=40.0,
+        inputs=lambda time: {"jammed": time >= 40.0},
+        shows=("signals.pseudorange", "satellites", "signals.sequence"),
     )
 
-    signals = signals(Output)
+    jammed = GpsSignals.jammed
+    satellite_off = GpsSignals.satellite_off
+    range_step = GpsSignals.range_step
+    clock_jump = GpsSignals.clock_jump
+    satellites = GpsSignals.satellites
 
     delay = replay.delay()
     tick_period = Parameter(
@@ -83,13 +94,20 @@ class ObservationsReplay(Component):
         ephemeris = selection.nearest(earlier, later, prn, week, second, self.future)
         usable = selection.usable(ephemeris, prn, week, second, self.future)
         position, velocity, clock, rate = broadcast.sent(ephemeris, week, second, epoch["pseudorange"])
+        here = prn[:, None] == np.arange(1, SATELLITES + 1)
+        silent = np.any(here & self.satellite_off, axis=1) | self.jammed
+        tracked = usable & np.logical_not(silent)
+        jump = known(self.clock_jump, 0.0)
+        wrong = np.sum(np.where(here, known(self.range_step, 0.0), 0.0), axis=1) + sight.SPEED_OF_LIGHT * jump
+        new = replay.announcement(epoch, self.signals)
+        self.satellites = np.where(new["when"], np.sum(np.where(tracked, 1, 0)), self.satellites)
         self.signals.publish(
-            **replay.announcement(epoch, self.signals),
+            **new,
             week=week,
-            seconds=second,
-            tracked=usable,
+            seconds=second + jump,
+            tracked=tracked,
             number=prn,
-            pseudorange=epoch["pseudorange"],
+            pseudorange=np.where(prn > 0.0, epoch["pseudorange"] + wrong, 0.0),
             range_rate=epoch["range_rate"],
             signal_to_noise=epoch["signal_to_noise"],
             satellite_e=np.where(usable[:, None], position, 0.0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fmpy
 import numpy as np
 import pymap3d
 import pytest
@@ -9,7 +10,7 @@ from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
 from fmus.satellite.signals import PLACES
-from navfmu import NavfmuError, System
+from navfmu import Fault, NavfmuError, System
 from navfmu.cli.main import main
 from navfmu.recorded.observations.importer import import_observations
 from navfmu.ssp.writer import SystemSource
@@ -42,7 +43,7 @@ def imported(player, tmp_path):
 def solved(tmp_path, tmp_path_factory):
     """Fly a player and gps_solver in the master; columns by their names, a row for each epoch."""
 
-    def run(found, stop=None, tick=1.0, **parameters):
+    def run(found, tick=1.0, faults=(), **parameters):
         folder = tmp_path / "parts"
         folder.mkdir(exist_ok=True)
         found.write(folder / "observations.fmu")
@@ -53,7 +54,9 @@ def solved(tmp_path, tmp_path_factory):
         system.parameters("solver", {"tick_period": tick, "ionosphere": 2, "troposphere": 3})  # both off
         system.parameters("observations", {"tick_period": tick, **parameters})
         system.write(tmp_path / "system")
-        result = System.load(tmp_path / "system").run(record=["observations", "solver"], record_period=tick)
+        result = System.load(tmp_path / "system").run(
+            record=["observations", "solver"], record_period=tick, faults=list(faults)
+        )
         return result[np.diff(result["solver.fix.sequence"], prepend=0) > 0]
 
     return run
@@ -153,6 +156,65 @@ def test_an_fmu_of_observations_is_one_as_others(imported, tmp_path):
     sky = Sky()
     fmu = imported(sky.observations(EPOCHS), sky.navigation()).write(tmp_path / "seen.fmu")
     assert validate_fmu(str(fmu)) == []
+
+
+def test_has_what_a_system_connects_of_the_receiver_that_it_replaces(player, tmp_path_factory):
+    """Inputs of the truth and outputs of the bundle have the same names, types and units."""
+
+    def face(path):
+        variables = fmpy.read_model_description(str(path)).modelVariables
+        return {v.name: (v.causality, v.type, v.unit) for v in variables if v.causality in ("input", "output")}
+
+    own, other = face(player), face(built.fmu("gps_signals", tmp_path_factory))
+    faults = built.components()["gps_signals"].layout.fields
+    needed = {n for n, v in other.items() if v[0] == "output" or not faults[n.partition("[")[0]].fault}
+    assert {name: own[name] for name in needed} == {name: other[name] for name in needed}
+    assert set(own) <= set(other)  # a fault that cannot act on a recording is not there
+
+
+def test_jammed_and_silent_satellites_are_not_tracked_and_come_back_at_once(imported, solved):
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation())
+    prn = int(found.epochs.number[0, 0])
+    off = [False] * 32
+    off[prn - 1] = True
+    faults = (
+        Fault("jam", "observations.jammed", "input", value=True, start=100.0, duration=60.0),
+        Fault("silent", "observations.satellite_off", "input", value=off, start=200.0, duration=45.0),
+    )
+    plain, failed = solved(found), solved(found, faults=faults)
+    jammed, silent = (EPOCHS > 100.0) & (EPOCHS < 160.0), (EPOCHS > 200.0) & (EPOCHS < 245.0)
+    np.testing.assert_array_equal(failed["observations.satellites"][jammed], 0)
+    np.testing.assert_array_equal(failed["solver.fix.valid"], ~jammed)
+    np.testing.assert_array_equal(failed["observations.signals.tracked[1]"], ~jammed & ~silent)
+    np.testing.assert_array_equal(
+        failed["observations.satellites"][silent], plain["observations.satellites"][silent] - 1
+    )
+    both = ~jammed & ~silent
+    for name in (f"observations.signals.pseudorange[{i + 1}]" for i in range(PLACES)):
+        np.testing.assert_array_equal(failed[name], plain[name])
+    np.testing.assert_array_equal(failed["observations.satellites"][both], plain["observations.satellites"][both])
+    np.testing.assert_allclose(east_north_up(sky, failed)[both], 0.0, atol=5e-3)
+
+
+def test_a_satellite_that_steps_is_left_out_and_a_clock_that_jumps_changes_no_place(imported, solved):
+    """100 m of one satellite; 1 ms of the clock: if only the tag jumped the clock would be 1 ms behind."""
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation())
+    prn = int(found.epochs.number[0, 2])
+    step = [0.0] * 32
+    step[prn - 1] = 100.0
+    faults = (
+        Fault("step", "observations.range_step", "input", value=step, start=50.0, duration=50.0),
+        Fault("jump", "observations.clock_jump", "input", value=1e-3, start=140.0),
+    )
+    result = solved(found, faults=faults)
+    stepped, jumped = (EPOCHS > 50.0) & (EPOCHS < 100.0), EPOCHS >= 150.0
+    np.testing.assert_array_equal(result["solver.excluded[3]"], stepped)
+    np.testing.assert_allclose(east_north_up(sky, result), 0.0, atol=1e-2)
+    np.testing.assert_allclose(result["observations.signals.seconds"], SECOND + EPOCHS + 1e-3 * jumped, atol=1e-9)
+    expected = sky.clock + sky.drift * EPOCHS + 1e-3 * jumped
+    np.testing.assert_allclose(result["solver.clock_bias"], expected, rtol=0, atol=5e-11)
 
 
 @pytest.mark.parametrize(
