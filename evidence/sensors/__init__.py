@@ -23,6 +23,7 @@ SENSORS = (
     "increments",
     "magnetometer",
     "navaids",
+    "observations",
     "replay",
     "ring_laser",
     "satellites",
