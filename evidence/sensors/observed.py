@@ -32,7 +32,7 @@ KLOBUCHAR_OFF, TROPOSPHERE_OFF = 2, 3
 OUTPUTS = (
     "fix.latitude", "fix.longitude", "fix.altitude", "fix.velocity_n", "fix.valid", "satellites", "hdop", "vdop",
     "squares", "threshold", "detected", "alarm", "used", "excluded", "horizontal_protection", "vertical_protection",
-    "horizontal_protection_slope", "vertical_protection_slope",
+    "horizontal_protection_slope", "vertical_protection_slope", "residual", "elevation",
 )  # fmt: skip
 
 Signals = dict[str, Any]
