@@ -277,6 +277,9 @@ def test_the_command(tmp_path, player, monkeypatch, tmp_path_factory):
         (("observations", seen, "--nav", nav, "--column", "pseudorang=C1C"), "did you mean 'pseudorange'"),
         (("observations", seen, "--nav", nav, "--column", "pseudorange=C2W"), "begins with C1"),
         (("observations", seen, "--nav", nav, "--start", "345700"), "all epochs are before --start 345700"),
+        (("observations", seen, "--nav", nav, "--start", "1277078418"), "more than a week from the first epoch"),
+        (("observations", seen, "--nav", nav, "--start", "nan"), "--start is nan; expected a number of seconds"),
+        (("observations", seen, "--nav", nav, "--age", "1"), "--age is not for observations"),
         (("observations", seen, "--nav", nav, "--ionosphere", tmp_path / "a.txt"), "expected .ssv"),
         (("gps", seen, "--nav", nav), "--nav is for observations"),
     ):

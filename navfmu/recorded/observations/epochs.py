@@ -70,6 +70,11 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
     """
     code, doppler, strength = (_named(found, what, names.get(what, usual)) for what, usual in USUAL.items())
     begin = float(found.second[0]) if start is None else start
+    if abs(found.second[0] - begin) > WEEK:
+        raise NavfmuError(
+            f"--start is {begin:g}, more than a week from the first epoch of {found.source}, which is second "
+            f"{found.second[0]:g} of its week; expected a second of that week"
+        )
     time = np.round((found.week - found.week[0]) * WEEK + (found.second - begin), 7)
     rows = np.flatnonzero(time >= 0.0)
     if not len(rows):
