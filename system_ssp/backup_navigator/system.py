@@ -33,10 +33,17 @@ POSITION = ("latitude", "longitude", "altitude")
 ANGLES = ("roll", "pitch", "heading")
 
 
-def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "backup_navigator") -> SystemSource:
+def source(
+    fmus: str | Path,
+    *,
+    aircraft: str = "aircraft.fmu",
+    name: str = "backup_navigator",
+    signals: str | None = None,
+) -> SystemSource:
     """Describe the system with the built FMUs in the folder ``fmus``.
 
-    ``aircraft`` may be any FMU with the outputs of ``aircraft``, for example a recorded track.
+    ``aircraft`` may be any FMU with the outputs of ``aircraft``, for example a recorded track. With ``signals``, an FMU
+    such as gps_signals.fmu, the receiver is that one, and gps_solver makes positions of what it measures.
     """
     system = SystemSource(
         name,
@@ -45,9 +52,14 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
         stop_time=2100.0,
         step=0.01,
     )
+    files = {"aircraft": aircraft, "gps": signals or "gps.fmu"}
     for component in COMPONENTS:
-        system.component(component, aircraft if component == "aircraft" else f"{component}.fmu")
-    connect(system)
+        system.component(component, files.get(component, f"{component}.fmu"))
+    if signals is not None:
+        system.component("gps_solver", "gps_solver.fmu")
+        system.connect("aircraft.specific_force", "gps.specific_force")
+        system.connect("gps.signals", "gps_solver.signals")
+    connect(system, fix="gps.fix" if signals is None else "gps_solver.fix")
     if aircraft == "aircraft.fmu":
         system.parameters("aircraft", FLIGHT_PLANS["livermore"].parameters())
     use_stations(system.parameters, "thesis_like")
@@ -60,8 +72,8 @@ def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "bac
     return system
 
 
-def connect(system: SystemSource) -> None:
-    """Wire truth to sensors, sensors to estimators, and both ends to the evaluation."""
+def connect(system: SystemSource, fix: str = "gps.fix") -> None:
+    """Wire truth to sensors, sensors to estimators, and both ends to the evaluation; ``fix`` is the bundle of fixes."""
     for sensor in ("magnetometer", "dme", "gps", "evaluation"):
         for output in POSITION:
             system.connect(f"aircraft.{output}", f"{sensor}.{output}")
@@ -81,7 +93,7 @@ def connect(system: SystemSource) -> None:
     system.connect("ahrs.attitude", "navigator.attitude")
     system.connect("air_data.air", "navigator.air")
     system.connect("dme.ranging", "navigator.ranging")
-    system.connect("gps.fix", "navigator.fix")
+    system.connect(fix, "navigator.fix")
     system.connect("navigator.solution", "ahrs.position")  # for the declination: slow, one step late
     system.connect("navigator.solution", "evaluation.solution")
     for output in ("north_sigma", "east_sigma", "mode"):
