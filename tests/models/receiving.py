@@ -23,8 +23,8 @@ QUIET = {
 
 
 class Receiving:
-    def __init__(self, folder: Path) -> None:
-        self.receiver, self.solver = Native(GpsSignals, folder), Native(GpsSolver, folder)
+    def __init__(self, folder: Path, receiver: type = GpsSignals) -> None:
+        self.receiver, self.solver = Native(receiver, folder), Native(GpsSolver, folder)
 
     def run(
         self,

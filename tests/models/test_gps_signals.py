@@ -6,8 +6,10 @@ import numpy as np
 import pymap3d
 import pytest
 
+from fmus.satellite.gps_signals import GpsSignals
 from models.satellite import orbit, slots
-from models.satellite.ephemeris import Ephemeris
+from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu.export import Table
 from tests.models.receiving import PLACE, QUIET, Receiving, off
 
 LIGHT = 299792458.0
@@ -38,6 +40,33 @@ def test_what_is_measured_is_solved_to_the_truth(receiving):
     np.testing.assert_allclose(found["fix.velocity_n"], np.tile(velocity, (5, 1)), atol=5e-4)
     np.testing.assert_allclose(found["solved_clock"], found["clock_bias"], rtol=0.0, atol=0.05 / LIGHT)
     np.testing.assert_allclose(found["solved_drift"], found["clock_drift"], rtol=0.0, atol=5e-4 / LIGHT)
+
+
+class Drifting(GpsSignals):
+    """Satellites with clocks that are off by up to 0.2 ms and 2e-9, on orbits that are not round."""
+
+    name = "gps_signals_drifting"
+    orbits = Table(
+        columns=COLUMNS,
+        rows=Ephemeris.of(slots.constellation())
+        ._replace(
+            eccentricity=0.02,
+            clock_bias=np.linspace(-2e-4, 2e-4, 24),
+            clock_drift=np.linspace(2e-9, -2e-9, 24),
+            group_delay=np.linspace(0.0, 2e-8, 24),
+        )
+        .rows(),
+        key="place",
+    )
+
+
+def test_clocks_of_satellites_are_in_what_is_measured(tmp_path):
+    """What they say of them must free it again: a wrong sign is 10 km, or 0.1 m/s."""
+    found = Receiving(tmp_path, Drifting).run(4, **QUIET)
+    assert np.ptp(found["signals.satellite_clock"][-1]) > 1e-4
+    assert np.all(found["fix.valid"] > 0.0)
+    assert np.max(np.abs(off(found))) < 0.05
+    np.testing.assert_allclose(found["fix.velocity_n"], 0.0, atol=5e-4)
 
 
 def test_all_satellites_above_the_mask_are_measured(receiving):
