@@ -112,6 +112,17 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "bias": (0.1, 0.2, -0.1),
     },
     "gps": {**_HERE, **_NORTH, **_LEVEL},
+    "gps_signals": {
+        **_HERE,
+        **_NORTH,
+        **_LEVEL,
+        "specific_force": (1.0, 2.0, -9.0),
+        "jammer_power": 0.01,
+        "range_step": 30.0,
+        "upload_age": 86400.0,
+        "clock_drift_start": 2e-7,
+        "ionosphere_scale": 1.5,
+    },
     "imu": {
         **_TRIADS,
         "rate": (0.1, -0.2, 0.3),
