@@ -8,6 +8,7 @@ import numpy as np
 
 from evidence import strapdown
 from evidence.section import Section
+from models.earth.earth import EQUATORIAL_RADIUS
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, figure, png
 from navfmu.report.page import Page
@@ -16,7 +17,6 @@ from navfmu.system.system import System
 PERIOD = 0.0025
 """Instants at which a derivative bends are even samples then; Simpson's rule across a bend is wrong itself."""
 STOP = 1800.0
-EARTH_RADIUS = 6378137.0
 ACROSS, HEIGHT = 0.01, 2.0
 """How far the integrated position may drift: m horizontally, mm in height."""
 
@@ -39,8 +39,8 @@ def run(out: Path) -> Section:
         PERIOD, vectors["specific_force"], vectors["rate"], *start, vectors["velocity_n"][0], euler
     )
     count = len(integrated[0])
-    north = (integrated[0] - position[0][:count]) * EARTH_RADIUS
-    east = (integrated[1] - position[1][:count]) * EARTH_RADIUS * np.cos(position[0][:count])
+    north = (integrated[0] - position[0][:count]) * EQUATORIAL_RADIUS
+    east = (integrated[1] - position[1][:count]) * EQUATORIAL_RADIUS * np.cos(position[0][:count])
     return section(north, east, integrated[2] - position[2][:count])
 
 

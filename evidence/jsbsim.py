@@ -16,6 +16,7 @@ from evidence import strapdown
 from evidence.section import Section, left_out
 from fmus.motion.flight_plans import FLIGHT_PLANS
 from models.earth import earth
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.faults import Fault
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
@@ -202,7 +203,7 @@ def section(flights: Sequence[pd.DataFrame], flown: dict[str, np.ndarray]) -> Se
 
 def figures(flown: dict[str, np.ndarray]) -> list[list[str]]:
     """How the aircraft flies: rows of name, root mean square, largest."""
-    gravity = np.linalg.norm(flown["specific_force"], axis=1) - earth.STANDARD_GRAVITY
+    gravity = np.linalg.norm(flown["specific_force"], axis=1) - STANDARD_GRAVITY
     plan = FLIGHT_PLANS["livermore"]
     rows = {
         "altitude minus plan, m": flown["altitude"] - planned(flown)["altitude"],

@@ -16,6 +16,7 @@ from models.evaluation import evaluation
 from models.magnetic import magnetic_field
 from models.navigation import navigator
 from models.radio import dme
+from navfmu.constants import NAUTICAL_MILE, STANDARD_GRAVITY
 
 SPEED = 46.3
 """90 kn in m/s."""
@@ -34,7 +35,7 @@ def _turning_flight(time: np.ndarray) -> dict[str, np.ndarray]:
     turn = 3.0 * DEG * np.clip(np.minimum((time - 60.0) / 4.0, (184.0 - time) / 4.0), 0.0, 1.0)
     step = time[1] - time[0]
     heading = 45.0 * DEG + np.concatenate([[0.0], np.cumsum(0.5 * step * (turn[1:] + turn[:-1]))])
-    roll = np.arctan(SPEED * turn / earth.STANDARD_GRAVITY)
+    roll = np.arctan(SPEED * turn / STANDARD_GRAVITY)
     return {"turn": turn, "heading": heading, "roll": roll, "roll_rate": np.gradient(roll, step)}
 
 
@@ -45,7 +46,7 @@ def ahrs_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
     sine, cosine = np.sin(flight["roll"]), np.cos(flight["roll"])
     zero = np.zeros_like(time)
     rate = np.stack([flight["roll_rate"], flight["turn"] * sine, flight["turn"] * cosine], axis=1)
-    force = np.stack([zero, zero, -earth.STANDARD_GRAVITY / cosine], axis=1)
+    force = np.stack([zero, zero, -STANDARD_GRAVITY / cosine], axis=1)
     field_n = magnetic_field.field(HERE[0], HERE[1], HERE[2], 2026.0)
     matrices = np.moveaxis(attitude.dcm(flight["roll"], zero, flight["heading"]), -1, 0)
     bias = np.array([0.15, 0.0, -0.1]) * DEG
@@ -144,8 +145,8 @@ def dme_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.ndar
         seen = shown[:, i] > 0.0
         fresh = np.concatenate([[False], np.diff(shown[:, i]) != 0.0])
         last = np.maximum.accumulate(np.where(fresh, np.arange(len(time)), 0))
-        curves[f"station {i + 1}"] = np.where(seen, shown[:, i], np.nan) / dme.NAUTICAL_MILE
-        curves["~truth" + " " * i] = true[:, i] / dme.NAUTICAL_MILE
+        curves[f"station {i + 1}"] = np.where(seen, shown[:, i], np.nan) / NAUTICAL_MILE
+        curves["~truth" + " " * i] = true[:, i] / NAUTICAL_MILE
         errors[f"station {i + 1}"] = np.where(seen, shown[last, i] - true[last, i], np.nan)
     return {"slant range (nmi)": curves, "error of the last measurement (m)": errors}
 

@@ -8,11 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from fmus.inertial.grades import DEG, DEG_PER_HOUR, INERTIAL, TABLE_3_2
-from models.air.turbulence import FOOT
-from models.earth.earth import STANDARD_GRAVITY as G
 from models.magnetic.magnetometer import MILLIGAUSS
-
-KNOT = 1852.0 / 3600.0
+from navfmu.constants import FOOT, KNOT
+from navfmu.constants import STANDARD_GRAVITY as G
 
 GRADES = {grade: INERTIAL[grade].values for grade in TABLE_3_2}
 """Parameters of ``imu`` by grade of thesis Table 3.2 (= Table 5.2), p. 56."""

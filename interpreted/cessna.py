@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-FOOT = 0.3048
+from navfmu.constants import FOOT
+
 MODEL = "c172p"
 AXES = ("north", "east", "down")
 CONTROLS = ("aileron", "elevator", "throttle", "rudder")

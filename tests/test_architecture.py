@@ -8,6 +8,7 @@ import pytest
 
 ROOMS = (  # of the package, from the ground up: each may use what stands before it
     "errors",
+    "constants",
     "place",
     "files",
     "fmi",
@@ -34,7 +35,9 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
 
 
 ABOVE_COMPONENTS = ("navfmu.engine", "navfmu.system", "navfmu.ssp", "evidence", "benchmarks", "tests", "system_ssp")
-NOT_NUMPY = tuple(f"navfmu.{room}" for room in ROOMS if room not in ("errors", "place", "derivatives", "repetition"))
+NOT_NUMPY = tuple(
+    f"navfmu.{room}" for room in ROOMS if room not in ("errors", "constants", "place", "derivatives", "repetition")
+)
 
 
 @cache

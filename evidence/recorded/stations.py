@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pymap3d
 
-from fmus.radio.stations import FOOT, NAUTICAL_MILE, PLACES, Station
+from fmus.radio.stations import PLACES, Station
 from models.radio import dme
+from navfmu.constants import FOOT, NAUTICAL_MILE
 
 ANTENNA = 10.0
 """Height of a station's antenna above its ground, m."""

@@ -13,6 +13,7 @@ from scipy import stats
 
 from evidence.section import Section
 from navfmu import System
+from navfmu.constants import KNOT, NAUTICAL_MILE
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -21,7 +22,7 @@ from navfmu.ssp.writer import SystemSource
 from navfmu.system import shipped
 
 HEADING = "VOR, radar, Doppler radar, LORAN"
-NMI, KNOT, DEG = 1852.0, 1852.0 / 3600.0, np.pi / 180.0
+DEG = np.pi / 180.0
 PROBABILITY = 1e-5
 """That a claim is missed although it is true."""
 SEEDS = 300
@@ -85,7 +86,7 @@ def place(name: str) -> dict[str, float]:
 def across() -> np.ndarray:
     """Radials of five stations to the south, whose distance times the sine of the error counts."""
     receiver = System.load(shipped.path("vor.fmu"))
-    places = np.radians([vincenty.vreckon(*HERE[:2], d * NMI, 180.0) for d in DISTANCES])
+    places = np.radians([vincenty.vreckon(*HERE[:2], d * NAUTICAL_MILE, 180.0) for d in DISTANCES])
     places[:, 1] -= 2.0 * np.pi  # vreckon counts to the east only
     told = {
         **place("vor"),
@@ -101,7 +102,7 @@ def across() -> np.ndarray:
         .to_numpy()[-1]
         for s in range(SEEDS)
     ]  # fmt: skip
-    return DISTANCES * NMI * np.sin(np.array(seen) - true)
+    return DISTANCES * NAUTICAL_MILE * np.sin(np.array(seen) - true)
 
 
 def by_radar() -> tuple[np.ndarray, float]:
@@ -193,7 +194,7 @@ def make_claims(found: Found) -> list[Claim]:
     return [
         Claim(
             f"A position by VOR is off by {VOR_SIGMA:g} degrees of the distance",
-            surprise(found.across, VOR_SIGMA * DEG * DISTANCES * NMI), bound, False, "standard errors",
+            surprise(found.across, VOR_SIGMA * DEG * DISTANCES * NAUTICAL_MILE), bound, False, "standard errors",
             f"A position by VOR is not off by {VOR_SIGMA:g} degrees of the distance",
         ),
         Claim(
@@ -212,7 +213,7 @@ def make_claims(found: Found) -> list[Claim]:
         ),
         Claim(
             "LORAN has a quarter of a mile of 2 drms",
-            surprise(found.loran, ACCURACY * NMI / np.sqrt(8.0)), bound, False, "standard errors",
+            surprise(found.loran, ACCURACY * NAUTICAL_MILE / np.sqrt(8.0)), bound, False, "standard errors",
             "LORAN has not a quarter of a mile of 2 drms",
         ),
     ]  # fmt: skip
@@ -238,7 +239,7 @@ def picture(found: Found) -> bytes:
         fine = np.linspace(1.0, 90.0, 200)
         for i, sigma in enumerate((1.0, 2.0, 5.0)):
             vor.plot(fine, fine * np.radians(sigma), color=COLOURS[i], lw=1, label=f"{sigma:g} deg")
-        rms = np.sqrt(np.mean(np.square(found.across), axis=0)) / NMI
+        rms = np.sqrt(np.mean(np.square(found.across), axis=0)) / NAUTICAL_MILE
         vor.plot(DISTANCES, rms, "o", color=COLOURS[1], ms=5, label=f"vor, rms of {len(found.across)} receivers")
         vor.axhline(0.5, color=GREY, lw=0.8, ls="--", label="0.5 nmi, the thesis's limit")
         vor.set(xlabel="distance from the station, nmi", ylabel="across the radial, nmi", ylim=(0.0, 6.0))
@@ -254,13 +255,17 @@ def picture(found: Found) -> bytes:
         sea.plot(WINDS, (SPEED * 0.99 - found.shown) / 0.99 / KNOT, color=COLOURS[0], lw=1, label="doppler_radar")
         sea.plot(list(TRIALS), list(TRIALS.values()), "s", color=COLOURS[1], ms=6, label="trials")
         sea.set(xlabel="wind, kn", ylabel="speed of the surface that is missing, kn")
-        north, east = (found.loran / NMI).T
+        north, east = (found.loran / NAUTICAL_MILE).T
         loran.plot(east, north, ".", color=COLOURS[0], ms=4, label=f"first fixes of {len(found.loran)} receivers")
         loran.plot(ACCURACY * np.cos(turn), ACCURACY * np.sin(turn), color=COLOURS[1], lw=1, label="2 drms: 98 %")
         loran.set(xlabel="east, nmi", ylabel="north, nmi", aspect="equal", ylim=(-0.45, 0.6))
         for i, name in enumerate(("north", "east")):
             track.plot(
-                np.arange(len(found.along)) / 60.0, found.along[:, i] / NMI, color=COLOURS[i], lw=0.8, label=name
+                np.arange(len(found.along)) / 60.0,
+                found.along[:, i] / NAUTICAL_MILE,
+                color=COLOURS[i],
+                lw=0.8,
+                label=name,
             )
         track.set(xlabel="time, min", ylabel="nmi")
         titles = [*(claim.sentence for claim in claims), "LORAN at 90 kn: what the place makes, and noise"]

@@ -13,6 +13,7 @@ from scipy import stats
 
 from evidence.section import Section
 from navfmu import System
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -20,7 +21,6 @@ from navfmu.report.page import Page
 from navfmu.system import shipped
 
 HEADING = "Magnetic azimuth detector"
-G = 9.80665
 PLACE = (37.7, -121.8, 1000.0)
 """Livermore: latitude and longitude, degrees, and altitude, m."""
 DATE = 2026.0
@@ -64,7 +64,7 @@ class Found:
         exact = {"drift_sigma": 0.0, "noise_sigma": 0.0}
         turning = {}
         for bank in BANKS:
-            force = [0.0, 0.0, -G / np.cos(np.radians(bank))]
+            force = [0.0, 0.0, -STANDARD_GRAVITY / np.cos(np.radians(bank))]
             shown = [
                 _run(detector, 1.0, 0.05, heading=np.radians(psi + at.d), roll=np.radians(bank), specific_force=force,
                      **exact)[1][-1] - psi

@@ -12,6 +12,7 @@ from scipy import stats
 
 from evidence.section import Section
 from navfmu import Fault, System
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -19,7 +20,6 @@ from navfmu.report.page import Page
 from navfmu.system import shipped
 
 HEADING = "Distance measuring equipment"
-NAUTICAL_MILE = 1852.0
 SPEED = 46.3
 """90 kn in m/s."""
 SIGMA, DISTANCE = 0.17 * NAUTICAL_MILE, 0.5 * NAUTICAL_MILE

@@ -17,12 +17,13 @@ import pandas as pd
 from pymap3d import vincenty
 
 from evidence.section import Section, left_out
+from navfmu.constants import FOOT, NAUTICAL_MILE, RADIO_EARTH_RADIUS
 from navfmu.files.writing import write_file
 from navfmu.navaids import file as station_file
 from navfmu.navaids.coverage import Coverage, Points
 from navfmu.navaids.picture import counts, dilutions
-from navfmu.navaids.sight import ANTENNA, RADIO_EARTH_RADIUS, sight
-from navfmu.navaids.station import FOOT, NAUTICAL_MILE, Station, distance
+from navfmu.navaids.sight import ANTENNA, sight
+from navfmu.navaids.station import Station, distance
 from navfmu.recorded import track
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, figure, png

@@ -18,6 +18,7 @@ from fmus.satellite.gps_solver import GpsSolver
 from fmus.satellite.signals import PLACES
 from models.earth import earth
 from models.satellite import orbit, satellite_clock, selection, sight
+from navfmu.constants import WAVELENGTH
 from navfmu.export.interpreter import Interpreter
 from navfmu.satellite.file import read_orbits
 from navfmu.satellite.observations import read_observations
@@ -25,7 +26,6 @@ from navfmu.satellite.observations import read_observations
 FILES = ("esbc1770.rnx.gz", "esbc1770_nav.rnx.gz")
 TRUTH = np.array([3582104.917, 532590.184, 5232755.308])
 """Antenna in ITRF2014 at 2020.48, m: static precise point positioning over the day, good to 0.1 m."""
-WAVELENGTH = sight.SPEED_OF_LIGHT / 1575.42e6
 LEAP = 18.0
 """Seconds by which UTC was behind."""
 KLOBUCHAR_OFF, TROPOSPHERE_OFF = 2, 3

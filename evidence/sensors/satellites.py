@@ -22,6 +22,7 @@ from evidence.section import Section, left_out
 from models.earth import earth
 from models.satellite import orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import Ephemeris
+from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
@@ -29,7 +30,6 @@ from navfmu.report.page import Page
 from navfmu.satellite.file import read_orbits
 
 HEADING = "Satellites"
-LIGHT = satellite_clock.LIGHT_SPEED
 ALMANAC = (date(2006, 11, 15), 1401)
 PRECISE = {"radial": 1.06, "along": 0.85, "cross": 0.38, "clock": 0.65}
 """Root mean square of broadcast minus precise that others found for this day and station, m."""
@@ -101,7 +101,7 @@ def states(rows: np.ndarray, folder: Path) -> pd.DataFrame:
     week, sent = told["week"].to_numpy(float), told["tx_tow_s"].to_numpy()
     one, usable = used(rows, told["prn"].to_numpy(float), week, sent)
     position, velocity = orbit.state(one, week, sent)
-    clock = LIGHT * satellite_clock.on_l1(one, satellite_clock.error(one, week, sent)[0])
+    clock = SPEED_OF_LIGHT * satellite_clock.on_l1(one, satellite_clock.error(one, week, sent)[0])
     theirs = told["range_rot_m"] + told["tow_s"].map(receiver) + told["iono_m"] + told["tropo_m"] + told["res_m"]
     return pd.DataFrame(
         {
@@ -134,7 +134,7 @@ def precise(rows: np.ndarray, folder: Path, future: bool) -> pd.DataFrame:
         cross = _unit(np.cross(position, velocity + np.cross([0.0, 0.0, orbit.EARTH_RATE], position)))
         axes = {"radial": radial, "along": np.cross(cross, radial), "cross": cross}
         told, _ = satellite_clock.polynomial(one, 2111.0, second)  # both leave the relativistic term to the receiver
-        off = LIGHT * (told - clock)
+        off = SPEED_OF_LIGHT * (told - clock)
         table = pd.DataFrame({"hour": (second - 345600.0) / 3600.0, "prn": prn})
         for name, axis in axes.items():
             table[name] = np.sum((ours - position) * axis, axis=1)

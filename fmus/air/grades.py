@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from fmus.grades import AIR_DATA
 from models.air import pneumatics
+from navfmu.constants import FOOT
 from navfmu.export import ParameterSet
 
-FOOT = 0.3048
 THESIS = {**AIR_DATA, "pitot_coefficient_sigma": 0.0, "pressure_offset_sigma": 0.0, "temperature_error_sigma": 0.0}
 TUBE = (5.0, 4.7e-3)
 """Length and bore, m: a quarter-inch tube of 0.8 mm wall, from the tail to the panel of a light aircraft."""

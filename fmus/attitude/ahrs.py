@@ -7,9 +7,9 @@ import numpy as np
 from fmus import examples
 from fmus.grades import AIR_DATA, ahrs_parameters
 from models.attitude import ahrs, attitude
-from models.earth import earth
 from models.filters import kalman
 from models.magnetic import magnetic_field
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, require, start
 
 _DEFAULT = ahrs_parameters("automotive")
@@ -448,7 +448,7 @@ class Ahrs(Component):
 
         # measurement update: tilt
         sigma = np.where(fresh, self.tilt_sigma, self.blind_tilt_sigma)
-        residuals = self.tilt_sum / count - np.stack([0.0, speeding / earth.STANDARD_GRAVITY])
+        residuals = self.tilt_sum / count - np.stack([0.0, speeding / STANDARD_GRAVITY])
         rows = ahrs.tilt_rows(airspeed, rate[2], angles[0], angles[1])
         use = felt & self.aligned
         uses = use, use & (np.logical_not(fresh) | (self.had_air & changed))

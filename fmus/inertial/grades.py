@@ -23,8 +23,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.earth.earth import STANDARD_GRAVITY as G
 from models.inertial.flicker import FLOOR
+from navfmu.constants import STANDARD_GRAVITY as G
 from navfmu.export import ParameterSet
 
 DEG = float(np.radians(1.0))

@@ -10,10 +10,10 @@ from fmus.inertial.lever_arm import LeverArm
 from fmus.inertial.triad import Triad, triad
 from fmus.inertial.vibration import Vibration
 from models.attitude import attitude
-from models.earth.earth import STANDARD_GRAVITY
 from models.inertial import axes, flicker, heating, latency, shaping
 from models.processes import gauss_markov
 from models.processes.known import known
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 _DEFAULT = INERTIAL["automotive"].values

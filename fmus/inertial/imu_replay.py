@@ -6,7 +6,7 @@ import numpy as np
 
 from fmus import replay
 from fmus.inertial.imu import Imu
-from models.earth.earth import STANDARD_GRAVITY
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.export import Component, Example, Table, every
 
 _READINGS = replay.columns(Imu.reading)

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.motion.flight_plan import FOOT, KNOT, NAUTICAL_MILE, FlightPlan, straight, turn
+from models.motion.flight_plan import FlightPlan, straight, turn
+from navfmu.constants import FOOT, KNOT, NAUTICAL_MILE
 
 APPROACH_SPEED = 90.0 * KNOT
 """Thesis section 5.5.2: a typical approach speed, 46.3 m/s."""

@@ -9,6 +9,7 @@ from fmus.radio import grades, stations
 from models.processes import gauss_markov
 from models.processes.known import known
 from models.radio import dme, interrogator, schedule, sight, transponder
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.export import Bundle, Component, Example, Grid, Input, Output, Parameter, State, every, require, start
 
 PLACES = stations.PLACES
@@ -120,7 +121,7 @@ class Dme(stations.StationTable, Component):
     station_range = Parameter(
         PLACES,
         "m",
-        start=stations.UNLIMITED * dme.NAUTICAL_MILE,
+        start=stations.UNLIMITED * NAUTICAL_MILE,
         min=0.0,
         display_unit="nmi",
         description="service range of each transponder; it does not answer beyond",
@@ -217,7 +218,7 @@ class Dme(stations.StationTable, Component):
     )
     gate = Parameter(
         "m",
-        start=0.5 * dme.NAUTICAL_MILE,
+        start=0.5 * NAUTICAL_MILE,
         min=1.0,
         display_unit="nmi",
         description="replies that jump by more than this, and 1000 kn, are lost and searched for (own choice)",

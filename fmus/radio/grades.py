@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.radio.dme import NAUTICAL_MILE
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.export import ParameterSet
 
 DME: dict[str, ParameterSet] = {

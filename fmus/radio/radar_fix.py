@@ -7,6 +7,7 @@ import numpy as np
 from models.processes.known import known
 from models.radio import dme, radar, sight
 from models.satellite import gps
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, require, start
 
 
@@ -61,7 +62,7 @@ class RadarFix(Component):
         "m", start=20.0, min=-1000.0, max=10000.0, display_unit="ft", description="height of the radar's antenna"
     )
     radar_range = Parameter(
-        "m", start=60.0 * dme.NAUTICAL_MILE, min=0.0, display_unit="nmi", description="range of the radar"
+        "m", start=60.0 * NAUTICAL_MILE, min=0.0, display_unit="nmi", description="range of the radar"
     )
     highest_elevation = Parameter(
         "rad",

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from navfmu.constants import FOOT, NAUTICAL_MILE
 from navfmu.export import Parameter
 
-FOOT = 0.3048
-NAUTICAL_MILE = 1852.0
 PLACES = 5
 """Stations a receiver and a navigator can hold."""
 UNLIMITED = 130.0

@@ -8,6 +8,7 @@ from fmus.radio import stations
 from models.processes import gauss_markov
 from models.processes.known import known
 from models.radio import dme, sight, vor
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, start
 
 PLACES = stations.PLACES
@@ -63,7 +64,7 @@ class Vor(stations.StationTable, Component):
     station_range = Parameter(
         PLACES,
         "m",
-        start=stations.UNLIMITED * dme.NAUTICAL_MILE,
+        start=stations.UNLIMITED * NAUTICAL_MILE,
         min=0.0,
         display_unit="nmi",
         description="service range of each station",

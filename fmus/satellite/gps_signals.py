@@ -29,6 +29,7 @@ from models.satellite import (
     tracking,
 )
 from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Example, Grid, Input, Output, Parameter, State, Table, every, require, start
 
 SATELLITES = 32
@@ -236,7 +237,7 @@ class GpsSignals(Component):
         number = self.placed
         orbit, usable = self._orbits(number, week, second)
         travel, satellite, satellite_velocity, clock, clock_rate = reception.received(orbit, week, second, position_e)
-        distance = sight.SPEED_OF_LIGHT * travel
+        distance = SPEED_OF_LIGHT * travel
         unit_e = (sight.turned(satellite, travel) - position_e) / distance[:, None]
         unit_n = unit_e @ c_ne.T
         elevation = np.arcsin(np.clip(-unit_n[:, 2], -1.0, 1.0))
@@ -292,9 +293,9 @@ class GpsSignals(Component):
         )
         zenith = sum(saastamoinen.zenith(latitude, altitude, self.humidity)) + self.troposphere_sigma * self.common[1]
         delay = ionosphere + saastamoinen.slant(zenith, low)
-        pseudorange = distance + delay + sight.SPEED_OF_LIGHT * (self.clock_bias - clock) + error
+        pseudorange = distance + delay + SPEED_OF_LIGHT * (self.clock_bias - clock) + error
         range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
-        range_rate = range_rate + sight.SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
+        range_rate = range_rate + SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
 
         self.elevation = np.where(up, elevation, 0.0)
         self.satellites = np.sum(np.where(tracked, 1, 0))

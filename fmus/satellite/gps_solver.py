@@ -18,6 +18,7 @@ from models.satellite import (
     sight,
     solution,
 )
+from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, on_new, start
 
 ROWS = PLACES + 1
@@ -167,7 +168,7 @@ class GpsSolver(Component):
         told = np.isfinite(s.pseudorange + s.satellite_clock + np.sum(s.satellite_e, axis=1))
         tracked = s.tracked & told & (s.signal_to_noise >= self.signal_mask) & s.valid
         satellite_e = np.where(tracked[:, None], s.satellite_e, np.array([4.0 * earth.EQUATORIAL_RADIUS, 0.0, 0.0]))
-        clean = s.pseudorange + sight.SPEED_OF_LIGHT * s.satellite_clock + np.where(s.corrected, s.correction, 0.0)
+        clean = s.pseudorange + SPEED_OF_LIGHT * s.satellite_clock + np.where(s.corrected, s.correction, 0.0)
         height = np.array([np.where(self.altitude.valid, self.altitude.height, 0.0)])
 
         # near enough for delays and elevations
@@ -241,7 +242,7 @@ class GpsSolver(Component):
             found.unit_e,
             place,
             sight.turned(s.satellite_velocity_e, travel),
-            s.range_rate + sight.SPEED_OF_LIGHT * s.satellite_clock_rate,
+            s.range_rate + SPEED_OF_LIGHT * s.satellite_clock_rate,
             found.h,
             weight,
             found.rotation,
@@ -257,8 +258,8 @@ class GpsSolver(Component):
         self._protect(found, weight, good)
         self.position_e = np.where(good, place, self.position_e)
         self.clock = np.where(good, clock, self.clock)
-        self.clock_bias = self.clock / sight.SPEED_OF_LIGHT
-        self.clock_drift = np.where(good, drift / sight.SPEED_OF_LIGHT, self.clock_drift)
+        self.clock_bias = self.clock / SPEED_OF_LIGHT
+        self.clock_drift = np.where(good, drift / SPEED_OF_LIGHT, self.clock_drift)
         self.used = weight[:-1] > 0.0
         self.satellites = np.sum(np.where(weight[:-1] > 0.0, 1, 0))
         valid = good & np.logical_not(self.alarm & self.withhold)

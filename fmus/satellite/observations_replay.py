@@ -8,8 +8,9 @@ from fmus import replay
 from fmus.satellite.gps_signals import SATELLITES, GpsSignals
 from fmus.satellite.signals import PLACES
 from models.processes.known import known
-from models.satellite import broadcast, selection, sight, slots
+from models.satellite import broadcast, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Example, Parameter, Table, every
 
 MEASURED = (("number", "1"), ("pseudorange", "m"), ("range_rate", "m/s"), ("signal_to_noise", "1"))
@@ -98,7 +99,7 @@ class ObservationsReplay(replay.face(GpsSignals), Component):
         silent = np.any(here & self.satellite_off, axis=1) | self.jammed
         tracked = usable & np.logical_not(silent)
         jump = known(self.clock_jump, 0.0)
-        wrong = np.sum(np.where(here, known(self.range_step, 0.0), 0.0), axis=1) + sight.SPEED_OF_LIGHT * jump
+        wrong = np.sum(np.where(here, known(self.range_step, 0.0), 0.0), axis=1) + SPEED_OF_LIGHT * jump
         new = replay.announcement(epoch, self.signals)
         self.satellites = np.where(new["when"], np.sum(np.where(tracked, 1, 0)), self.satellites)
         self.signals.publish(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.earth.earth import STANDARD_GRAVITY
+from navfmu.constants import STANDARD_GRAVITY
 
 TEMPERATURE = 288.15
 """T_0, K."""

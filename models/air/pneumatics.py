@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.air import atmosphere
-from models.earth.earth import STANDARD_GRAVITY
+from navfmu.constants import STANDARD_GRAVITY
 
 WATER = 1000.0 * STANDARD_GRAVITY
 """rho_w g, Pa/m."""

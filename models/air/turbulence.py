@@ -39,11 +39,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.earth.earth import STANDARD_GRAVITY
+from navfmu.constants import FOOT, STANDARD_GRAVITY
 
 GUST_SIGMA, GUST_LENGTH = 1.5, 533.4
 """Intensity of the gusts that are flown in and allowed for, m/s (5 ft/s), and their scale, m (1750 ft)."""
-FOOT = 0.3048
 LOW, HIGH = 1000.0 * FOOT, 2000.0 * FOOT
 """Heights between which the forms of near the ground and of above are mixed, m."""
 TERMS = 12

@@ -37,8 +37,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.attitude import attitude
-from models.earth import earth
 from models.filters import kalman
+from navfmu.constants import STANDARD_GRAVITY
 
 STATES = 11
 MOVING = 3
@@ -63,11 +63,11 @@ def turning_acceleration(airspeed, rate):
 
 def tilt_residuals(specific_force, airspeed, rate, roll, pitch):
     """Lateral and longitudinal specific force of (2) over g, measured minus expected (without V'), in rad of tilt."""
-    turning = airspeed * rate[2] / earth.STANDARD_GRAVITY
+    turning = airspeed * rate[2] / STANDARD_GRAVITY
     return np.array(
         [
-            specific_force[1] / earth.STANDARD_GRAVITY - turning + np.sin(roll) * np.cos(pitch),
-            specific_force[0] / earth.STANDARD_GRAVITY - np.sin(pitch),
+            specific_force[1] / STANDARD_GRAVITY - turning + np.sin(roll) * np.cos(pitch),
+            specific_force[0] / STANDARD_GRAVITY - np.sin(pitch),
         ]
     )
 
@@ -76,7 +76,7 @@ def tilt_rows(airspeed, yaw_rate, roll, pitch):
     """Derivatives of (2) over g by the states (1): lateral, longitudinal. The rate r and V have errors, too."""
     sr, cr, sp, cp = np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch)
     zero = 0.0 * roll
-    by_bias, by_airspeed = -airspeed / earth.STANDARD_GRAVITY, -yaw_rate / earth.STANDARD_GRAVITY
+    by_bias, by_airspeed = -airspeed / STANDARD_GRAVITY, -yaw_rate / STANDARD_GRAVITY
     return np.array(
         [
             [-cr * cp, sr * sp, zero, zero, zero, by_bias, zero, zero, zero, zero, by_airspeed],

@@ -23,8 +23,6 @@ GRAVITY_EQUATOR = 9.7803253359
 SOMIGLIANA = 0.00193185265241
 GRAVITY_RATIO = 0.00344978650684
 """Centrifugal to gravitational acceleration at the equator, omega^2 a^2 b / GM."""
-STANDARD_GRAVITY = 9.80665
-"""The unit g, m/s2."""
 
 
 def radii(latitude):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from models.earth import earth
+from navfmu.constants import NAUTICAL_MILE
 
-HALF_NAUTICAL_MILE = 926.0
+HALF_NAUTICAL_MILE = 0.5 * NAUTICAL_MILE
 """Required accuracy of the backup navigator, m: 0.5 nmi after 30 minutes, thesis section 1.4 and 7.3."""
 
 

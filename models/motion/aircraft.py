@@ -31,6 +31,7 @@ import numpy as np
 
 from models.attitude import attitude
 from models.earth import earth
+from navfmu.constants import STANDARD_GRAVITY
 
 PEAK = 1.875
 """Largest slope of the smooth step (1)."""
@@ -99,7 +100,7 @@ def schedule(duration, turn_rate, vertical_speed, speed, initial, limits, grid):
     def time(step, limit):
         return np.maximum(PEAK * np.abs(step) / limit, SHORTEST_TRANSITION)
 
-    roll_time = time(turn_step * fastest / earth.STANDARD_GRAVITY, roll_rate)
+    roll_time = time(turn_step * fastest / STANDARD_GRAVITY, roll_rate)
     climb_time = time(climb_step, vertical_acceleration)
     speed_time = time(speed_step, acceleration)
     length = end - begin
@@ -175,7 +176,7 @@ def planned(track_sine, track_cosine, speed, turn, climb):
 
 def lift_length(wing_loading, density, lift_slope):
     """2 (G/S) / (rho g C_L_alpha), m: alpha - alpha_0 = this times the lift per mass over the squared airspeed."""
-    return 2.0 * wing_loading / (density * earth.STANDARD_GRAVITY * lift_slope)
+    return 2.0 * wing_loading / (density * STANDARD_GRAVITY * lift_slope)
 
 
 def trimmed(velocity, turning, air, lift):
@@ -211,7 +212,7 @@ def trimmed(velocity, turning, air, lift):
     forward = acceleration[0] * course_cosine + acceleration[1] * course_sine
     sideward = acceleration[1] * course_cosine - acceleration[0] * course_sine
     sideward_rate = jerk[1] * course_cosine - jerk[0] * course_sine - course_rate * forward
-    weight = earth.STANDARD_GRAVITY - acceleration[2]
+    weight = STANDARD_GRAVITY - acceleration[2]
     bank_tangent = sideward / weight
     bank_cosine = 1.0 / np.sqrt(1.0 + bank_tangent * bank_tangent)
     bank_sine = bank_tangent * bank_cosine

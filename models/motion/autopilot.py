@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.attitude.attitude import wrap
-from models.earth.earth import STANDARD_GRAVITY
+from navfmu.constants import STANDARD_GRAVITY
 
 COURSE_RATE = 0.1
 """k_chi, 1/s."""

@@ -19,9 +19,6 @@ GRID = 0.1
 """Segments begin at multiples of this time, s."""
 LIMITS = (np.radians(5.0), 0.5, 0.5)
 """Largest roll rate (rad/s), acceleration and vertical acceleration (m/s2) of the transitions."""
-KNOT = 1852.0 / 3600.0
-FOOT = 0.3048
-NAUTICAL_MILE = 1852.0
 
 
 @dataclass(frozen=True)

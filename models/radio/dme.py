@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.earth import earth
+from navfmu.constants import NAUTICAL_MILE, RADIO_EARTH_RADIUS
 
-NAUTICAL_MILE = 1852.0
 BIAS_SIGMA = 0.17 * NAUTICAL_MILE
 """Standard deviation of the time-varying bias, m, thesis (3.38), p. 72."""
 CORRELATION_DISTANCE = 0.5 * NAUTICAL_MILE
@@ -21,8 +21,6 @@ LOCK_IN = 4.0
 """Time of tracking before a receiver has locked in, s, thesis Fig 2.10."""
 RANGING = 1.0
 """Time of ranging after lock-in, s, thesis Fig 2.10."""
-RADIO_EARTH_RADIUS = 4.0 / 3.0 * 6371.0e3
-"""Radius over which radio rays run straight in a standard atmosphere, m."""
 
 
 def line_of_sight(latitude, longitude, altitude, station_latitude, station_longitude, station_altitude):

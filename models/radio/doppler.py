@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-KNOT = 1852.0 / 3600.0
+from navfmu.constants import KNOT
+
 WIND = np.array([0.0, 10.0, 18.0, 30.0, 50.0]) * KNOT
 MOVEMENT = np.array([0.0, 3.0, 4.0, 5.0, 6.0]) * KNOT
 """Speed of the surface of a sea in such winds, m/s."""

@@ -10,6 +10,8 @@ from enum import IntEnum
 
 import numpy as np
 
+from navfmu.constants import KNOT
+
 SEARCH_RATE = 135.0
 """Interrogations of a receiver that searches, pulse pairs a second, thesis section 2.5.5."""
 TRACK_RATE = 25.0
@@ -17,7 +19,7 @@ TRACK_RATE = 25.0
 TIRED_RATE = 30.0
 """Interrogations of a receiver that has searched for TIRED_AFTER, Annex 10, volume I, 3.5.3.4.4."""
 TIRED_AFTER = 30.0
-TRACKING_SPEED = 1000.0 * 1852.0 / 3600.0
+TRACKING_SPEED = 1000.0 * KNOT
 """How fast a range may change and be followed, m/s (own choice: 1000 kn)."""
 
 

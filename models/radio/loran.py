@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-NAUTICAL_MILE, FOOT = 1852.0, 0.3048
+from navfmu.constants import FOOT, NAUTICAL_MILE
+
 ACCURACY, REPEATED = 0.25 * NAUTICAL_MILE, 200.0 * FOOT
 """2 drms of the error, and of what is not of the place, m."""
 NOISE_SIGMA = REPEATED / np.sqrt(8.0)

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.radio.dme import RADIO_EARTH_RADIUS
-
-EARTH_RADIUS = 0.75 * RADIO_EARTH_RADIUS
+from navfmu.constants import EARTH_RADIUS, RADIO_EARTH_RADIUS
 
 
 def in_n(latitude, longitude, vectors):

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.radio import interrogator
+from navfmu.constants import NAUTICAL_MILE, SPEED_OF_LIGHT
 
-LIGHT_SPEED = 299792458.0
 DELAY = 50.0e-6
 """Time from an interrogation to its reply, s, thesis section 2.5.5."""
 CAPACITY = 3000.0
@@ -21,18 +21,18 @@ DEAD_TIME = 60.0e-6
 """How long a transponder is deaf after an interrogation, s; it keeps echoes of its own replies out."""
 MONITOR_LIMIT = 1.0e-6
 """Error of the delay at which the monitor takes a station off the air, s, Annex 10, 3.5.4.7.2.2."""
-PRECISE_RANGE = 7.0 * 1852.0
+PRECISE_RANGE = 7.0 * NAUTICAL_MILE
 """Distance within which DME/P is precise, m, thesis section 3.9 and Annex 10, 3.5.3.7.1."""
 
 
 def round_trip(distance, delay=DELAY):
     """Time in s from an interrogation to its reply at a ``distance`` in m: 2 R / c + delay."""
-    return 2.0 * distance / LIGHT_SPEED + delay
+    return 2.0 * distance / SPEED_OF_LIGHT + delay
 
 
 def range_of(time):
     """Range in m that is read of a ``time`` in s: one of 1 us is 150 m. Of a round trip take DELAY off before."""
-    return 0.5 * LIGHT_SPEED * time
+    return 0.5 * SPEED_OF_LIGHT * time
 
 
 def drifted(before, rate, period):
@@ -63,4 +63,4 @@ def precise_sigma(distance):
 
     Annex 10, table B, standard 1: 250 m at 20 nmi, 85 m at 5 nmi, 30 m at the threshold (95 %), which is one line.
     """
-    return 0.5 * (30.0 + 11.0 * distance / 1852.0)
+    return 0.5 * (30.0 + 11.0 * distance / NAUTICAL_MILE)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.satellite.sight import SPEED_OF_LIGHT
+from navfmu.constants import SPEED_OF_LIGHT
 
 DAY = 86400.0
 

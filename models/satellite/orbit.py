@@ -15,7 +15,7 @@ from models.satellite.kepler import eccentric_anomaly
 GRAVITATION = 3.986005e14
 """mu, m3/s2: the value of WGS-84 that the parameters are fitted with, not the newest one."""
 EARTH_RATE = 7.2921151467e-5
-"""Rate of e with respect to inertial space, rad/s."""
+"""Rate of e with respect to inertial space, rad/s: the value that IS-GPS-200 demands, WGS-84 itself has 7.292115e-5."""
 
 
 def mean_motion(ephemeris):

@@ -10,9 +10,8 @@ import numpy as np
 
 from models.satellite import orbit
 from models.satellite.gps_time import elapsed
+from navfmu.constants import SPEED_OF_LIGHT
 
-LIGHT_SPEED = 299792458.0
-"""c, m/s."""
 RELATIVITY = -4.442807633e-10
 """F = -2 sqrt(mu) / c^2, s/sqrt(m)."""
 
@@ -53,6 +52,6 @@ def sending_time(ephemeris, week, second, pseudorange):
     The satellite's clock showed ``second`` - pseudorange / c then, whatever the receiver's clock is off. Its polynomial
     is asked at that time, not yet corrected: with a drift of 1e-11 that is 1e-14 s.
     """
-    shown = second - pseudorange / LIGHT_SPEED
+    shown = second - pseudorange / SPEED_OF_LIGHT
     told, _ = error(ephemeris, week, shown)
     return shown - told

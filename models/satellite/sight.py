@@ -10,11 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.earth import earth
-
-SPEED_OF_LIGHT = 299792458.0
-"""m/s."""
-EARTH_RATE = 7.2921151467e-5
-"""Rate of e with respect to inertial space in GPS, rad/s, IS-GPS-200 table 20-IV."""
+from models.satellite.orbit import EARTH_RATE
+from navfmu.constants import SPEED_OF_LIGHT
 
 
 def turned(vector_e, travel):

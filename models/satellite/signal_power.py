@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.satellite.tracking import CHIP_RATE, WAVELENGTH
+from models.satellite.tracking import CHIP_RATE
+from navfmu.constants import WAVELENGTH
 
 LEAST_POWER = -158.5
 """dBW of the C/A code by an antenna of 3 dBi, linear: least guaranteed by IS-GPS-200, table 3-Va (IIR-M on)."""

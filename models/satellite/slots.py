@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from models.earth.earth import EQUATORIAL_RADIUS
 from models.satellite.ephemeris import Ephemeris
 from models.satellite.orbit import EARTH_RATE, GRAVITATION
 from models.satellite.selection import place
@@ -34,7 +35,6 @@ HOUR_ANGLE = 15.0 * (18.0 + 36.0 / 60.0 + 14.4 / 3600.0)
 """Greenwich at the epoch, degrees."""
 SEMI_MAJOR_AXIS = 26_559_700.0
 INCLINATION = np.radians(55.0)
-EQUATORIAL_RADIUS = 6378137.0
 J2 = 1.08262668e-3
 """Second zonal harmonic of the earth's field, WGS-84."""
 NODE_RATE = (

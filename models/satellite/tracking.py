@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.satellite.sight import SPEED_OF_LIGHT
+from navfmu.constants import SPEED_OF_LIGHT, WAVELENGTH
 
 CHIP_RATE = 1.023e6
 """Of the C/A code, 1/s."""
 CHIP = SPEED_OF_LIGHT / CHIP_RATE
 """m."""
-CARRIER = 1575.42e6
-"""L1, Hz."""
-WAVELENGTH = SPEED_OF_LIGHT / CARRIER
 
 
 def code_sigma(ratio, bandwidth, detection, spacing=1.0):

@@ -27,12 +27,12 @@ def command(file, near, radius, heights, points, track, ground, out, picture):
     navfmu coverage earth_nav.dat --track flight.csv --out coverage.csv
     """
     from navfmu.cli.place import along, place, reachable, within
+    from navfmu.constants import FOOT, NAUTICAL_MILE
     from navfmu.errors import NavfmuError
     from navfmu.files.numbers_as_text import text
     from navfmu.files.writing import write_file
     from navfmu.navaids.coverage import Coverage, Points
     from navfmu.navaids.file import read
-    from navfmu.navaids.station import FOOT, NAUTICAL_MILE
     from navfmu.system.result import check_file
 
     if (not near) == (track is None):
@@ -70,8 +70,8 @@ def command(file, near, radius, heights, points, track, ground, out, picture):
 def _print(found, coverage) -> None:
     import numpy as np
 
+    from navfmu.constants import FOOT
     from navfmu.navaids.coverage import MOST
-    from navfmu.navaids.station import FOOT
     from navfmu.terminal.console import console, say
     from navfmu.terminal.table import Column, Kind, Table
 

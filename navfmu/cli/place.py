@@ -42,7 +42,8 @@ def reachable(stations, points):
     """Those of the stations that are near enough to a point to be heard anywhere."""
     import numpy as np
 
-    from navfmu.navaids.station import NAUTICAL_MILE, distance
+    from navfmu.constants import NAUTICAL_MILE
+    from navfmu.navaids.station import distance
 
     middle = len(points.latitude) // 2
     here = float(points.latitude[middle]), float(points.longitude[middle])

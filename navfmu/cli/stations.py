@@ -29,13 +29,13 @@ def command(file, near, altitude, track, ground, count, fmu, out):
     import numpy as np
 
     from navfmu.cli.place import along, place, reachable, within
+    from navfmu.constants import FOOT
     from navfmu.errors import NavfmuError
     from navfmu.files.writing import write_file
     from navfmu.navaids import parameters
     from navfmu.navaids.choice import choose
     from navfmu.navaids.coverage import Coverage, Points
     from navfmu.navaids.file import read
-    from navfmu.navaids.station import FOOT
     from navfmu.system import shipped
     from navfmu.system.result import check_file
 
@@ -71,9 +71,10 @@ def command(file, near, altitude, track, ground, count, fmu, out):
 def _print(found, coverage) -> None:
     import numpy as np
 
+    from navfmu.constants import NAUTICAL_MILE
     from navfmu.navaids.coverage import MOST
     from navfmu.navaids.sight import sight
-    from navfmu.navaids.station import NAUTICAL_MILE, plane
+    from navfmu.navaids.station import plane
     from navfmu.terminal.console import console, say
     from navfmu.terminal.table import Column, Kind, Table
 

@@ -19,10 +19,10 @@ def command(file, out, name, minimum_speed, skip_incomplete, picture):
     groundspeed_kt, track_deg and vertical_rate_ft_min. Its airborne part is cut out and smoothed; the FMU plays it
     from t = 0. What was found in the recording, and what the smoothing changed, is printed.
     """
+    from navfmu.constants import KNOT
     from navfmu.errors import NavfmuError
     from navfmu.recorded.archive import write_fmu
     from navfmu.recorded.importer import import_track
-    from navfmu.recorded.track import KNOT
     from navfmu.system.result import check_file
     from navfmu.system.shipped import path as shipped
     from navfmu.terminal.progress import Progress

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from xml.sax.saxutils import quoteattr
 
 from navfmu import __version__
+from navfmu.constants import FOOT, KNOT, NAUTICAL_MILE, STANDARD_GRAVITY
 from navfmu.errors import NavfmuError, nearest
 from navfmu.export import life
 from navfmu.export.printing.codegen import clocks, continuous_inputs
@@ -38,9 +39,9 @@ _DEGREE = 57.29577951308232
 DISPLAY_UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "1": {"%": (100.0, 0.0), "ppm": (1e6, 0.0), "a": (1.0, 0.0)},
     "s": {"ms": (1e3, 0.0), "min": (1 / 60, 0.0), "h": (1 / 3600, 0.0)},
-    "m": {"km": (1e-3, 0.0), "mm": (1e3, 0.0), "ft": (1 / 0.3048, 0.0), "nmi": (1 / 1852, 0.0)},
-    "m/s": {"kn": (3600 / 1852, 0.0), "km/h": (3.6, 0.0), "ft/min": (60 / 0.3048, 0.0)},
-    "m/s2": {"g": (1 / 9.80665, 0.0), "mg": (1e3 / 9.80665, 0.0)},
+    "m": {"km": (1e-3, 0.0), "mm": (1e3, 0.0), "ft": (1 / FOOT, 0.0), "nmi": (1 / NAUTICAL_MILE, 0.0)},
+    "m/s": {"kn": (1 / KNOT, 0.0), "km/h": (3.6, 0.0), "ft/min": (60 / FOOT, 0.0)},
+    "m/s2": {"g": (1 / STANDARD_GRAVITY, 0.0), "mg": (1e3 / STANDARD_GRAVITY, 0.0)},
     "rad": {"deg": (_DEGREE, 0.0), "arcmin": (60 * _DEGREE, 0.0), "arcsec": (3600 * _DEGREE, 0.0)},
     "rad/s": {"deg/s": (_DEGREE, 0.0), "deg/h": (3600 * _DEGREE, 0.0), "deg/min": (60 * _DEGREE, 0.0)},
     "rad/s2": {"deg/s2": (_DEGREE, 0.0)},

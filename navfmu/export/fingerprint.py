@@ -25,6 +25,7 @@ _BESIDE = [
     file
     for pattern in (
         "errors.py",
+        "constants.py",
         "place.py",
         "derivatives/*.py",
         "repetition/*.py",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from navfmu.constants import FOOT, KNOT, NAUTICAL_MILE, STANDARD_GRAVITY
 from navfmu.errors import NavfmuError
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -67,13 +68,13 @@ COMMON = {  # units that people write in parameters and limits, whether or not t
         _unit("h", 3600.0, s=1),
         _unit("mm", 1e-3, m=1),
         _unit("km", 1e3, m=1),
-        _unit("ft", 0.3048, m=1),
-        _unit("nmi", 1852.0, m=1),
-        _unit("kn", 1852.0 / 3600.0, m=1, s=-1),
+        _unit("ft", FOOT, m=1),
+        _unit("nmi", NAUTICAL_MILE, m=1),
+        _unit("kn", KNOT, m=1, s=-1),
         _unit("km/h", 1.0 / 3.6, m=1, s=-1),
-        _unit("ft/min", 0.3048 / 60.0, m=1, s=-1),
-        _unit("g", 9.80665, m=1, s=-2),
-        _unit("mg", 9.80665e-3, m=1, s=-2),
+        _unit("ft/min", FOOT / 60.0, m=1, s=-1),
+        _unit("g", STANDARD_GRAVITY, m=1, s=-2),
+        _unit("mg", 1e-3 * STANDARD_GRAVITY, m=1, s=-2),
         _unit("deg", _DEGREE, rad=1),
         _unit("deg/s", _DEGREE, rad=1, s=-1),
         _unit("deg/h", _DEGREE / 3600.0, rad=1, s=-1),

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from pymap3d import vincenty
 
+from navfmu.constants import FOOT
 from navfmu.files.numbers import label
 from navfmu.navaids.sight import dilution, sight
-from navfmu.navaids.station import FOOT, Station
+from navfmu.navaids.station import Station
 
 BLOCK = 1_000_000
 """Pairs of a station and a point that are looked at together: so a fine grid does not fill the memory."""

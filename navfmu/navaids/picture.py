@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
+from navfmu.constants import FOOT, NAUTICAL_MILE
 from navfmu.navaids.coverage import Coverage
-from navfmu.navaids.station import FOOT, NAUTICAL_MILE, Station, plane
+from navfmu.navaids.station import Station, plane
 from navfmu.report.figure import COLOURS, GREY, figure, png
 
 COUNTS = ("#ffffff", "#f2f2f2", "#fdd0a2", "#c6dbef", "#6baed6", "#2171b5")

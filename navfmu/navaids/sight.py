@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import pymap3d
 
+from navfmu.constants import RADIO_EARTH_RADIUS
 from navfmu.navaids.station import Station
 
-RADIO_EARTH_RADIUS = 4.0 / 3.0 * 6371.0e3
-"""Radius over which radio rays run straight in a standard atmosphere, m."""
 ANTENNA = 10.0
 """Height of a station's antenna above its ground, m."""
 

@@ -9,10 +9,9 @@ import numpy as np
 import pymap3d
 from pymap3d import vincenty
 
+from navfmu.constants import FOOT, NAUTICAL_MILE
 from navfmu.errors import NavfmuError
 
-FOOT = 0.3048
-NAUTICAL_MILE = 1852.0
 RANGES = {
     "latitude": (-90.0, 90.0, "degrees"),
     "longitude": (-180.0, 180.0, "degrees"),

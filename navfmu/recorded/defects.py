@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from pymap3d import rcurve
 
+from navfmu.constants import KNOT
 from navfmu.errors import NavfmuError
-from navfmu.recorded.track import KNOT, Recording
+from navfmu.recorded.track import Recording
 
 MOVING = 20.0 * KNOT
 POSITION_STEP = 1.5e-6 * np.pi / 180.0  # about the last printed digit of a position, rad
@@ -45,11 +47,8 @@ class Defects:
 
 def local_metric(latitude: np.ndarray, altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Metres per radian of latitude and of longitude on WGS-84."""
-    a, e2 = 6378137.0, 6.69437999014e-3
-    s2 = np.sin(latitude) ** 2
-    transverse = a / np.sqrt(1.0 - e2 * s2)
-    meridian = a * (1.0 - e2) / (1.0 - e2 * s2) ** 1.5
-    return meridian + altitude, (transverse + altitude) * np.cos(latitude)
+    north_south, east_west = rcurve.meridian(latitude, deg=False), rcurve.transverse(latitude, deg=False)
+    return north_south + altitude, (east_west + altitude) * np.cos(latitude)
 
 
 def wrap(angle: np.ndarray) -> np.ndarray:

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
+from navfmu.constants import FOOT, KNOT
 from navfmu.errors import NavfmuError, check_progress
 from navfmu.recorded import defects as found
 from navfmu.recorded.smooth import Flight, Manoeuvre, Noise, Residuals, smooth
-from navfmu.recorded.track import FEWEST_ROWS, FOOT, KNOT, Recording, read
+from navfmu.recorded.track import FEWEST_ROWS, Recording, read
 
 HOLE = 15.0  # s without a measured position that are worth a line in the report
 SHORTEST_FLIGHT = 60.0

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from navfmu.constants import FOOT, KNOT, STANDARD_GRAVITY
 from navfmu.errors import visible
 from navfmu.files.writing import replacing
 from navfmu.recorded.importer import Imported
-from navfmu.recorded.track import FOOT, KNOT
 
 
 def draw(imported: Imported, path: str | Path) -> None:
@@ -51,7 +51,7 @@ def draw(imported: Imported, path: str | Path) -> None:
     speeds.set(title="ground speed (dots: recorded, line: smoothed)", ylabel="kn")
     along.plot(rows, residuals.along, ".", ms=2)
     along.set(title="along track, recorded minus smoothed", ylabel="m")
-    turn.plot(minutes, np.degrees(np.arctan2(speed * course_rate, 9.80665)), lw=0.6)
+    turn.plot(minutes, np.degrees(np.arctan2(speed * course_rate, STANDARD_GRAVITY)), lw=0.6)
     turn.set(title="bank angle of a coordinated turn in still air", ylabel="deg", xlabel="min")
     cross.plot(rows, residuals.cross, ".", ms=2)
     cross.set(title="across track, recorded minus smoothed", ylabel="m", xlabel="min")

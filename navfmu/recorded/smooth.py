@@ -20,8 +20,9 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import splu
 
+from navfmu.constants import FOOT, KNOT
 from navfmu.recorded.defects import local_metric, wrap
-from navfmu.recorded.track import FOOT, KNOT, Recording
+from navfmu.recorded.track import Recording
 
 DEGREE = 5
 FREEDOM = 4.0  # of the Student t distribution of the residuals

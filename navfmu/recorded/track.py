@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from navfmu.constants import FOOT, KNOT
 from navfmu.errors import NavfmuError, nearest
 from navfmu.files.reading import regular, unreadable
-
-KNOT = 1852.0 / 3600.0
-FOOT = 0.3048
 
 REQUIRED = ("time_s", "latitude_deg", "longitude_deg", "altitude_ft")
 OPTIONAL = ("groundspeed_kt", "track_deg", "vertical_rate_ft_min")

@@ -7,6 +7,7 @@ from models.attitude import ahrs, attitude
 from models.earth import earth
 from models.navigation import navigator
 from models.radio import dme
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.derivatives import jacobian, value_and_jacobian
 
 SEEDS = range(5)
@@ -79,7 +80,7 @@ def test_the_tilt_rows_are_derivatives_of_the_specific_force(seed):
 
     def expected(x):
         """(2) over g: angles plus their errors; rate and airspeed, which are measured, minus theirs."""
-        turning = (airspeed - x[10]) * (rate[2] - x[5]) / earth.STANDARD_GRAVITY
+        turning = (airspeed - x[10]) * (rate[2] - x[5]) / STANDARD_GRAVITY
         return np.array([turning - np.sin(roll + x[0]) * np.cos(pitch + x[1]), np.sin(pitch + x[1])])
 
     close(jacobian(expected, np.zeros(11)), ahrs.tilt_rows(airspeed, rate[2], roll, pitch))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from evidence.sensors import alternative_aids
-from evidence.sensors.alternative_aids import ACCURACY, DEG, DISTANCES, KNOT, NMI, SPEED, Found
+from evidence.sensors.alternative_aids import ACCURACY, DEG, DISTANCES, SPEED, Found
+from navfmu.constants import KNOT, NAUTICAL_MILE
 from navfmu.report.page import Page
 
 
@@ -17,13 +18,13 @@ def honest():
     far = 37e3
     movement = np.array([0.0, 1.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0, 6.0]) * KNOT
     return Found(
-        2.0 * DEG * DISTANCES * NMI * rng.standard_normal((300, 5)),
+        2.0 * DEG * DISTANCES * NAUTICAL_MILE * rng.standard_normal((300, 5)),
         np.array([15.0, 0.08 * DEG * far]) * rng.standard_normal((300, 2)),
         far,
         np.full(20, 92.0),
         np.full(20, 92.0),
         0.99 * (SPEED - movement),
-        ACCURACY * NMI / np.sqrt(8.0) * rng.standard_normal((300, 2)),
+        ACCURACY * NAUTICAL_MILE / np.sqrt(8.0) * rng.standard_normal((300, 2)),
         rng.standard_normal((100, 2)),
     )
 

@@ -7,8 +7,8 @@ import pytest
 
 from evidence.sensors import navaids
 from evidence.sensors.navaids import COUNT, HEIGHT, MIDDLE, SIDE, Found, made
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.navaids.coverage import Coverage, Points
-from navfmu.navaids.station import NAUTICAL_MILE
 from navfmu.report.page import Page
 
 

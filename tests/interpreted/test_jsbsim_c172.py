@@ -17,7 +17,8 @@ from evidence.jsbsim import closure, wrapped
 from fmus.motion.aircraft import Aircraft
 from interpreted.jsbsim_c172 import JsbsimC172
 from models.earth import earth
-from models.motion.flight_plan import KNOT, FlightPlan, straight, turn
+from models.motion.flight_plan import FlightPlan, straight, turn
+from navfmu.constants import KNOT
 from navfmu.errors import NavfmuError
 from navfmu.export import needs
 from navfmu.export.interpreter import Interpreter

@@ -11,10 +11,11 @@ from models.earth import earth
 from models.filters import kalman
 from models.magnetic import magnetometer
 from models.motion.flight_plan import FlightPlan, straight, turn
+from navfmu.constants import STANDARD_GRAVITY
 from tests.models.native import Native, interpret
 
 PERIOD = 0.1
-G = earth.STANDARD_GRAVITY
+G = STANDARD_GRAVITY
 DIP, DECLINATION, STRENGTH = np.radians(61.0), np.radians(13.0), 4.8e-5
 SPEED = 46.3
 LEVEL_SIGMA = interpret(Ahrs).get("level_sigma")

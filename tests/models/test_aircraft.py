@@ -14,6 +14,7 @@ from models.earth import earth
 from models.motion import aircraft
 from models.motion.flight_plan import FlightPlan, Segment, straight, turn
 from models.processes import lags
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
@@ -111,7 +112,7 @@ def test_attitude_rates_are_the_derivative_of_attitude(flight):
 def test_turns_are_coordinated_and_roll_rate_is_limited(native):
     """In still air nothing but Earth's rotation pushes sideways (below 1 mg); the lift carries the turn."""
     calm = native.run(2100.0, 0.05, SIGNALS, SMOOTH)
-    assert np.max(np.abs(calm["specific_force"][:, 1])) < 0.001 * earth.STANDARD_GRAVITY * 1.6
+    assert np.max(np.abs(calm["specific_force"][:, 1])) < 0.001 * STANDARD_GRAVITY * 1.6
     turning = np.abs(calm["roll"]) > 0.1
     assert 0.2 < np.mean(turning) < 0.9
     load = np.linalg.norm(calm["specific_force"], axis=1)[turning] * np.cos(calm["roll"][turning])

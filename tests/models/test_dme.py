@@ -7,6 +7,7 @@ from scipy import stats
 
 from fmus.radio.dme import Dme
 from models.radio import dme
+from navfmu.constants import RADIO_EARTH_RADIUS
 from navfmu.errors import NavfmuError
 from tests.models.native import Native, interpret
 
@@ -72,8 +73,8 @@ def test_correlation_time_is_half_a_nautical_mile_of_flight():
 
 def test_horizon_is_the_tangent_over_four_thirds_of_the_earth():
     reach = dme.horizon(1500.0, np.array([0.0, 1000.0]), 10.0)
-    tangent = np.sqrt((dme.RADIO_EARTH_RADIUS + 1500.0) ** 2 - dme.RADIO_EARTH_RADIUS**2)
-    assert reach[0] - np.sqrt(2 * dme.RADIO_EARTH_RADIUS * 10.0) == pytest.approx(tangent, rel=1e-3)
+    tangent = np.sqrt((RADIO_EARTH_RADIUS + 1500.0) ** 2 - RADIO_EARTH_RADIUS**2)
+    assert reach[0] - np.sqrt(2 * RADIO_EARTH_RADIUS * 10.0) == pytest.approx(tangent, rel=1e-3)
     assert reach[1] > reach[0]
     assert np.all(np.isfinite(dme.horizon(-50.0, np.array([-30.0]), 10.0)))
 

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from models.earth import earth
 from models.satellite import broadcast, gps_time, kepler, orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Output, Parameter, Table, every
 from navfmu.satellite import calendar
 from navfmu.satellite import orbits as files
@@ -42,7 +43,7 @@ def test_relativistic_term_that_the_program_where_has(published):
     """For Remondi's message, in m; the other sign, or degrees in the place of radians, is another number."""
     one = Ephemeris.of(published[0])
     relative, _ = satellite_clock.relativity(one, orbit.anomaly(one, 1124, 86400.0))
-    assert satellite_clock.LIGHT_SPEED * relative == pytest.approx(-0.012570413426601913, rel=1e-9)
+    assert SPEED_OF_LIGHT * relative == pytest.approx(-0.012570413426601913, rel=1e-9)
 
 
 def test_state_and_clock_that_glab_has(published):
@@ -58,7 +59,7 @@ def test_state_and_clock_that_glab_has(published):
     np.testing.assert_allclose(velocity + turned, [-2632.8593, -735.4519, -69.6660], rtol=0, atol=3e-4)
     relative, _ = satellite_clock.relativity(one, orbit.anomaly(one, *at))
     told, _ = satellite_clock.polynomial(one, *at)
-    light = satellite_clock.LIGHT_SPEED
+    light = SPEED_OF_LIGHT
     assert -2.0 * position @ velocity / light == pytest.approx(-0.83775, abs=6e-5)
     assert light * relative == pytest.approx(-0.83775, abs=2.5e-3)
     assert light * told == pytest.approx(118787.68054, abs=2e-5)
@@ -114,7 +115,7 @@ def test_sending_time_is_that_of_the_signal(published):
     """A made pseudorange: light from where the satellite is when its clock, which is off, shows the time."""
     one, week, sent = Ephemeris.of(published[1]), 1886, 172799.5
     error, _ = satellite_clock.error(one, week, sent)
-    received, pseudorange = sent + 0.07, (0.07 - error) * satellite_clock.LIGHT_SPEED
+    received, pseudorange = sent + 0.07, (0.07 - error) * SPEED_OF_LIGHT
     assert satellite_clock.sending_time(one, week, received, pseudorange) == pytest.approx(sent, abs=5e-11)
 
 
@@ -141,8 +142,8 @@ def test_a_signal_is_sent_when_it_is_received_less_its_way():
         -1,
     )
     way = np.linalg.norm(inertial - place, axis=1)
-    np.testing.assert_allclose(satellite_clock.LIGHT_SPEED * time[seen], way[seen], rtol=0, atol=4e-5)
-    pseudorange = satellite_clock.LIGHT_SPEED * (time - satellite_clock.error(o, week, then)[0])
+    np.testing.assert_allclose(SPEED_OF_LIGHT * time[seen], way[seen], rtol=0, atol=4e-5)
+    pseudorange = SPEED_OF_LIGHT * (time - satellite_clock.error(o, week, then)[0])
     for told, true in zip(broadcast.sent(o, week, second, pseudorange), (position, velocity, clock, rate), strict=True):
         np.testing.assert_allclose(told, true, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(clock, np.linspace(-1e-3, 1e-3, 24) - 5e-9, rtol=0, atol=1e-12)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from models.radio import dme
+from navfmu.constants import FOOT, NAUTICAL_MILE, RADIO_EARTH_RADIUS
 from navfmu.navaids.choice import choose
 from navfmu.navaids.coverage import Coverage, Points
-from navfmu.navaids.sight import ANTENNA, RADIO_EARTH_RADIUS, Sight, dilution, horizon, sight
-from navfmu.navaids.station import FOOT, NAUTICAL_MILE, Station, plane
+from navfmu.navaids.sight import ANTENNA, Sight, dilution, horizon, sight
+from navfmu.navaids.station import Station, plane
 
 MIDDLE = np.radians([37.7, -121.8])
 LOW = 300.0

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from navfmu.constants import FOOT, KNOT
 from navfmu.recorded.importer import import_track
-from navfmu.recorded.track import FOOT, KNOT
 
 DATA = os.environ.get("NAVFMU_DATA")
 FLIGHTS = sorted((Path(DATA) / "flights").glob("*.csv")) if DATA else []

@@ -9,6 +9,7 @@ import pytest
 from matplotlib import image
 from matplotlib.colors import to_rgba
 
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.errors import NavfmuError
 from navfmu.report.pictures import lines, map, percentiles, sigma
 from navfmu.report.scene import Bound, Recorded, Scene, Window
@@ -150,7 +151,7 @@ def along(latitude: float, longitude: float, heading: float, metres: np.ndarray)
 def test_distances_are_true_over_the_date_line_and_the_poles(latitude, longitude, heading):
     metres = np.linspace(0.0, 100_000.0, 201)
     east, north = map.Ground(*(p := along(latitude * DEGREE, longitude * DEGREE, heading * DEGREE, metres))).local(*p)
-    steps = np.hypot(np.diff(east), np.diff(north)) * map.NAUTICAL_MILE
+    steps = np.hypot(np.diff(east), np.diff(north)) * NAUTICAL_MILE
     assert steps == pytest.approx(500.0, rel=1e-3)  # no jump, no stretch
     assert np.hypot(east[0], north[0]) == pytest.approx(27.0, rel=1e-2)  # nmi, the middle of the track is the origin
 

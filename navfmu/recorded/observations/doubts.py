@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navfmu.recorded.observations.epochs import WAVELENGTH, Epochs
+from navfmu.constants import WAVELENGTH
+from navfmu.recorded.observations.epochs import Epochs
 
 NEAREST, FARTHEST = 1.8e7, 3.2e7
 """Pseudoranges, m: 20 200 to 25 800 km, and a clock that is off by some ms."""

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from navfmu.constants import WAVELENGTH
 from navfmu.errors import NavfmuError, nearest
 from navfmu.satellite.calendar import WEEK
 from navfmu.satellite.observations import Observations
 from navfmu.satellite.orbits import Orbits, moment
 
-WAVELENGTH = 299792458.0 / 1575.42e6
-"""Of L1, m."""
 USUAL = {"pseudorange": "C1C", "range_rate": "D1C", "signal_to_noise": "S1C"}
 """Quantities, and the names of observations that they are taken from."""
 KINDS = {"pseudorange": "C", "range_rate": "D", "signal_to_noise": "S"}

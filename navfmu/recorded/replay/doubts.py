@@ -12,13 +12,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.recorded.replay.samples import Samples, seconds
 from navfmu.recorded.replay.units import UNITS, alike
 
 FAST, SLOW, SLOWEST = 1e-5, 1.0, 30.0
 """s: the shortest usual time between samples, and the longest of inertial and magnetic sensors, and of others."""
 SLOW_ONES = {"rate", "specific_force", "angle", "velocity", "field_b"}
-GRAVITY = 9.80665
 REST = (8.5, 11.2)
 """m/s2: specific force at rest or in steady flight with biases of up to 0.13 g."""
 LEVEL = np.radians(50.0)
@@ -185,7 +185,7 @@ def _specific_force(time: np.ndarray, force: np.ndarray, name: str = "specific_f
     size = float(np.median(np.linalg.norm(still, axis=1)))
     if not REST[0] <= size <= REST[1]:
         yield (
-            f"{name} is {size:.4g} m/s2 where it is quiet; at rest it is {GRAVITY:.4g}"
+            f"{name} is {size:.4g} m/s2 where it is quiet; at rest it is {STANDARD_GRAVITY:.4g}"
             + _unit_hint(name, size, "m/s2", REST)
         )
         return

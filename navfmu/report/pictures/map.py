@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator
 
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.errors import NavfmuError
 from navfmu.files.schema import Field, Number, Table
 from navfmu.report.figure import COLOURS, figure, png, title
@@ -17,7 +18,6 @@ from navfmu.report.kind import pair, same_unit
 from navfmu.report.panel import Curve, Panel
 from navfmu.report.scene import Drawn, Recorded, Scene, early
 
-NAUTICAL_MILE = 1852.0  # m
 EARTH = 6_371_000.0  # m, radius of a sphere: for pictures only
 RADIANS = {"rad": 1.0, "deg": np.pi / 180}
 Place = Annotated[list[str], AfterValidator(pair)]
