@@ -6,13 +6,28 @@ import numpy as np
 
 from fmus import examples
 from fmus.radio import grades, stations
-from models.processes import gauss_markov
+from models.processes import gauss_markov, places
 from models.processes.known import known
 from models.radio import dme, interrogator, schedule, sight, transponder
 from navfmu.constants import NAUTICAL_MILE
-from navfmu.export import Bundle, Component, Example, Grid, Input, Output, Parameter, State, every, require, start
+from navfmu.export import (
+    Bundle,
+    Component,
+    Example,
+    Grid,
+    Input,
+    Output,
+    Parameter,
+    State,
+    Table,
+    every,
+    require,
+    start,
+)
 
 PLACES = stations.PLACES
+NETWORK = 2
+"""Of ``stations_from``."""
 _ROUND = np.array([0.0, 2.0 * np.pi])
 
 
@@ -44,6 +59,11 @@ class Dme(stations.StationTable, Component):
     Which stations take turns, by `selection`: all of them, the `pair`, or the pair in reach whose lines cross nearest
     to a right angle, from `least_inclusion` on. It is chosen anew after each `interval`; stations nearer than
     `nearest` or higher above the station's level than `highest_elevation` are left out.
+
+    Stations are the five of the parameters, or with `stations_from` five of the table `network` (AGARD CP-298 (1981),
+    Brokof and Hurrass): each `exchange_period` those that the aircraft has left behind, out of range or below the radio
+    horizon, give their places to the nearest others in reach. A station that is new in a place is locked in anew and
+    has a bias of its own; its constant part is as before when it comes again. `station_number` ... say which they are.
 
     Interrogator (section 2.5.5). A receiver that is tuned to a station searches, with 135 pulse pairs a second, until
     it has had replies for `lock_in`, and then tracks with 25; a scanning one divides them among its stations. It has
@@ -151,6 +171,19 @@ class Dme(stations.StationTable, Component):
     )
     other_altitude = Parameter(
         "m", start=30.0, min=-1000.0, max=10000.0, display_unit="ft", description="height of that station"
+    )
+    stations_from = Parameter(
+        items=("places", "network"),
+        kind="enumeration",
+        description="where stations come from: the five of the parameters, or five at a time of the table network",
+    )
+    network = Table(columns=stations.NETWORK_COLUMNS, rows=stations.network(stations.BAY_AREA.stations))
+    exchange_period = Parameter(
+        "s",
+        start=10.0,
+        min=0.01,
+        max=3600.0,
+        description="how often stations of the network that are out of reach give their places to others (own choice)",
     )
     selection = Parameter(
         items=("all", "pair", "inclusion_angle"),
@@ -326,6 +359,16 @@ class Dme(stations.StationTable, Component):
     )
     answered_share = Output(PLACES, "1", description="share of interrogations that each station answers")
 
+    station_number = Output(
+        PLACES, kind="integer", description="which station of the parameters or of the network is in each place, 0 none"
+    )
+    place_latitude = Output(PLACES, "rad", display_unit="deg", description="geodetic latitude of that station")
+    place_longitude = Output(PLACES, "rad", display_unit="deg", description="longitude of it")
+    place_altitude = Output(PLACES, "m", display_unit="ft", description="height of it above the ellipsoid")
+
+    placed = State(PLACES, kind="integer", description="number of the station of the network in each place, 0: none")
+    placed_at = State((4, PLACES), "1", description="latitude, longitude (rad), altitude and range (m) of that station")
+    network_offset = State(stations.NETWORK, "m", description="constant bias of each station of the network")
     bias = State(PLACES, "m", description="time-varying bias dR_b of each station (3.38)")
     station_bias = State(PLACES, "m", description="process of each station, of bias_sigma")
     receiver_bias = State("m", description="process of the receiver, of bias_sigma")
@@ -349,6 +392,16 @@ class Dme(stations.StationTable, Component):
         there = np.all(self.pair <= self.station_count) & (self.pair[0] != self.pair[1])
         return (self.selection != 2) | there
 
+    @require("network has stations beyond the 32 that can be chosen from, or not numbered from 1 on")
+    def network_is_numbered(self):
+        ends = self.network.around(number=np.array([0.0, np.inf]))
+        return (ends.row[0, 0] == 1.0) & (ends.next_row[1, 0] <= stations.NETWORK)
+
+    @require("network has places beyond pi/2 or pi; expected latitudes and longitudes in rad, not degrees")
+    def network_is_in_rad(self):
+        _, latitude, longitude, _, _ = self.of_network(np.arange(1, stations.NETWORK + 1))
+        return np.all((np.abs(latitude) <= 0.5 * np.pi + 1e-9) & (np.abs(longitude) <= np.pi + 1e-9))
+
     @require("terrain does not reach around: expected azimuths from 0 to 2 pi rad and stations from 1 to 5")
     def terrain_reaches_around(self):
         stations, azimuths = self.terrain.around(station=np.array([1.0, PLACES]), azimuth=_ROUND).ends
@@ -368,6 +421,7 @@ class Dme(stations.StationTable, Component):
         self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
         self.offset = self.receiver_offset + self.station_offset_sigma * noise(PLACES)
         self.luck = gauss_markov.stationary(1.0, noise(PLACES))
+        self.network_offset = self.receiver_offset + self.station_offset_sigma * noise(stations.NETWORK)
 
     @every("bias_period")
     def advance_biases(self, noise):
@@ -378,16 +432,34 @@ class Dme(stations.StationTable, Component):
         self.receiver_bias = gauss_markov.advance(self.receiver_bias, phi, driving, noise(1)[0])
         self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
 
+    def of_network(self, number):
+        """Whether the network has stations of these numbers; latitude, longitude, altitude and range of them."""
+        around = self.network.around(number=1.0 * number)
+        found = np.where((around.next_row[:, 0] == number)[:, None], around.next_row, around.row)
+        there, latitude, longitude, altitude, reach = found.T
+        return there == number, latitude, longitude, altitude, reach
+
+    def tune(self):
+        """Which stations are in the places, where, and how far they reach."""
+        own = self.stations_from != NETWORK
+        latitude, longitude, altitude, reach = self.placed_at
+        place = np.arange(1, PLACES + 1)
+        self.station_number = np.where(own, np.where(place <= self.station_count, place, 0), self.placed)
+        self.place_latitude = np.where(own, self.station_latitude, latitude)
+        self.place_longitude = np.where(own, self.station_longitude, longitude)
+        self.place_altitude = np.where(own, self.station_altitude, altitude)
+        return np.where(own, self.station_range, reach)
+
     def visible(self, north, east, up, distance):
         """Stations that are not behind terrain, seen from them at north, east, up, m."""
-        places = np.arange(1.0, PLACES + 1.0)
-        mask = self.terrain.around(station=places, azimuth=sight.azimuth(north, east)).bilinear()[:, 0]
+        number = np.maximum(1.0 * self.station_number, 1.0)
+        mask = self.terrain.around(station=number, azimuth=sight.azimuth(north, east)).bilinear()[:, 0]
         return sight.is_above(up, distance, np.maximum(mask - sight.bending(distance), -0.5 * np.pi))
 
     def select(self, line, inside, admitted):
         """Stations that take turns from now on; ``line`` from each to the aircraft in e."""
-        places = np.arange(PLACES)
-        in_pair = (places == self.pair[0] - 1) | (places == self.pair[1] - 1)
+        place = np.arange(PLACES)
+        in_pair = (place == self.pair[0] - 1) | (place == self.pair[1] - 1)
         north, east, _ = sight.in_n(self.latitude, self.longitude, line)
         usable = admitted & inside & (self.rest <= 0.0)
         best = schedule.best_pair(north, east, usable, self.least_inclusion)
@@ -399,15 +471,16 @@ class Dme(stations.StationTable, Component):
     def receive(self, noise):
         dwell = self.lock_in + self.ranging_time
         here = (self.latitude, self.longitude, self.altitude)
-        line = dme.line_of_sight(*here, self.station_latitude, self.station_longitude, self.station_altitude)
+        service = self.tune()
+        line = dme.line_of_sight(*here, self.place_latitude, self.place_longitude, self.place_altitude)
         true_range = np.sqrt(np.sum(line * line, axis=0))
-        reach = np.minimum(dme.horizon(self.altitude, self.station_altitude, self.antenna_height), self.station_range)
-        north, east, up = sight.in_n(self.station_latitude, self.station_longitude, line)
+        reach = np.minimum(dme.horizon(self.altitude, self.place_altitude, self.antenna_height), service)
+        north, east, up = sight.in_n(self.place_latitude, self.place_longitude, line)
         inside = (true_range <= reach) & self.visible(north, east, up, true_range)
 
         # whom to ask
         too_high = sight.is_above(up, true_range, self.highest_elevation)
-        admitted = (np.arange(PLACES) < self.station_count) & (true_range >= self.nearest) & ~too_high
+        admitted = (self.station_number > 0) & (true_range >= self.nearest) & ~too_high
         self.selected = self.select(line, inside, admitted)
         asked, due = schedule.asked(self.time, self.period, self.mode, self.interval, dwell, self.selected)
         rate = interrogator.rate(asked, self.tracking, self.searching, self.lock_in)
@@ -461,3 +534,28 @@ class Dme(stations.StationTable, Component):
             valid=np.any(measured),
             when=np.any(due),
         )
+
+    @every("exchange_period", offset="ranging_period")
+    def exchange(self, noise):
+        """Stations out of reach give their places to the nearest ones in reach, in the mode network."""
+        number = np.arange(1, stations.NETWORK + 1)
+        there, latitude, longitude, altitude, most = self.of_network(number)
+        away = dme.slant_range(self.latitude, self.longitude, self.altitude, latitude, longitude, altitude)
+        reach = np.minimum(dme.horizon(self.altitude, altitude, self.antenna_height), most)
+        inside = there & (away <= reach) & (self.stations_from == NETWORK)
+        kept = np.where(np.any((self.placed[:, None] == number) & inside, axis=1), self.placed, 0)
+        wanted = inside & np.logical_not(places.has_one(kept, stations.NETWORK))
+        placed = places.filled(kept, wanted, away, PLACES)
+
+        new = placed != self.placed
+        drawn = gauss_markov.stationary(self.bias_sigma, noise(PLACES))
+        self.station_bias = np.where(new, drawn, self.station_bias)
+        self.bias = dme.shared(self.station_bias, self.receiver_bias, self.receiver_share)
+        here = placed[:, None] == number
+        self.offset = np.where(new, np.sum(np.where(here, self.network_offset, 0.0), axis=1), self.offset)
+        self.tracking = np.where(new, 0.0, self.tracking)
+        self.searching = np.where(new, 0.0, self.searching)
+        self.rest = np.where(new, 0.0, self.rest)
+        self.selected = self.selected & np.logical_not(np.any(new))
+        self.placed = placed
+        self.placed_at = np.stack(self.of_network(placed)[1:])

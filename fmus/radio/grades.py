@@ -24,6 +24,11 @@ DME: dict[str, ParameterSet] = {
             "highest_elevation": float(np.radians(18.0)),
         },
     ),
+    "dme_p": ParameterSet(
+        "Precision DME, ICAO Annex 10, volume I, table B, standard 1: within 7 nmi errors of 30 m at the threshold to "
+        "85 m at 5 nmi (95 %); further off as any other.",
+        {"precise": (True,) * 5},
+    ),
     "annex_10": ParameterSet(
         "ICAO Annex 10, volume I, 3.5.3.1.3.3: 370 m for the system, of which the receiver has 315 m.",
         {"bias_sigma": 370.0, "receiver_share": float((315.0 / 370.0) ** 2)},

@@ -82,6 +82,21 @@ BAY_AREA = StationSet(
 )
 
 STATION_SETS = {"thesis_like": THESIS_LIKE, "bay_area": BAY_AREA}
+NETWORK = 32
+"""Stations that a receiver can choose from."""
+NETWORK_COLUMNS = (("number", "1"), ("latitude", "rad"), ("longitude", "rad"), ("altitude", "m"), ("range", "m"))
+
+
+def network(stations: Sequence[Station]) -> np.ndarray:
+    """Rows of a table of NETWORK_COLUMNS."""
+    return np.array(
+        [
+            (i + 1.0, np.radians(s.latitude), np.radians(s.longitude), s.elevation * FOOT, s.range * NAUTICAL_MILE)
+            for i, s in enumerate(stations)
+        ]
+    )
+
+
 DEFAULT = THESIS_LIKE.parameters()
 """Start values of the station parameters."""
 

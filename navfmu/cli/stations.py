@@ -14,7 +14,8 @@ import click
 @click.option("--count", type=int, metavar="N", help="How many at most.  [default: as many as the FMU holds, or 5]")
 @click.option("--fmu", metavar="FMU", help="The FMU that gets them: a file, or the name of one that is shipped.")
 @click.option("--out", type=click.Path(dir_okay=False), help="The parameter set to write, .ssv.")
-def command(file, near, altitude, track, ground, count, fmu, out):
+@click.option("--network", type=click.Path(dir_okay=False), help="The table of a receiver's network to write, .csv.")
+def command(file, near, altitude, track, ground, count, fmu, out, network):
     """Choose the stations of FILE whose circles cross best at a place or along a track.
 
     FILE is a nav.dat of X-Plane's layout (versions 810, 1100, 1150: rows 12 and 13), or a CSV table with the columns
@@ -25,6 +26,7 @@ def command(file, near, altitude, track, ground, count, fmu, out):
     navfmu stations earth_nav.dat --near 37.69 -121.82
     navfmu stations earth_nav.dat --near 37.69 -121.82 --altitude 2000 --fmu dme.fmu --out stations.ssv
     navfmu stations earth_nav.dat --track flight.csv --fmu navigator.fmu --out believed.ssv
+    navfmu stations earth_nav.dat --track flight.csv --count 20 --network stations.csv
     """
     import numpy as np
 
@@ -32,6 +34,7 @@ def command(file, near, altitude, track, ground, count, fmu, out):
     from navfmu.constants import FOOT
     from navfmu.errors import NavfmuError
     from navfmu.files.writing import write_file
+    from navfmu.navaids import network as table
     from navfmu.navaids import parameters
     from navfmu.navaids.choice import choose
     from navfmu.navaids.coverage import Coverage, Points
@@ -54,6 +57,9 @@ def command(file, near, altitude, track, ground, count, fmu, out):
     else:
         points = along(track, ground)
     room = parameters.places(fmu) if fmu else 5
+    if network is not None:
+        check_file(network, ".csv")
+        room = table.MOST if fmu is None else room
     most = room if count is None else int(within(count, 1, room, "--count", "stations"))
     found = read(file)
     chosen = choose(reachable(found, points), points, most)
@@ -66,6 +72,9 @@ def command(file, near, altitude, track, ground, count, fmu, out):
         text = f"Stations of {found.source}: {', '.join(one.ident for one in chosen)}"
         write_file(out, parameters.document(chosen, fmu, text))
         click.echo(f"wrote {out}")
+    if network:
+        write_file(network, table.document(chosen))
+        click.echo(f"wrote {network}")
 
 
 def _print(found, coverage) -> None:

@@ -339,7 +339,7 @@ def test_precise_stations_are_precise_within_seven_miles():
     for distance, factor in ((5.0 * 1852.0, 42.5 / dme.BIAS_SIGMA), (8.0 * 1852.0, 1.0)):
         stations = bearings(90.0, distance=distance)
         low = FLYING | {"altitude": 100.0}
-        precise = interpret(Dme, **low, **stations, noise_sigma=0.0, mode=3, precise=[True] * 5)
+        precise = interpret(Dme, **low, **stations, noise_sigma=0.0, mode=3, **DME["dme_p"].values)
         nominal = interpret(Dme, **low, **stations, noise_sigma=0.0, mode=3)
         for run in (precise, nominal):
             run.do_step(0.0, 10.0)

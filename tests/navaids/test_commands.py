@@ -64,6 +64,27 @@ def test_a_parameter_set_reaches_the_receiver(files, tmp_path_factory):
     assert ranges[[i for i in (0, 1, 2) if i != north - 1]] == pytest.approx(62.6e3, rel=1e-2)
 
 
+def test_a_receiver_chooses_among_the_stations_of_a_table(files, tmp_path_factory):
+    """The table goes into the FMU, which ranges to the same stations. Wrong: degrees, feet, another order of columns,
+    a table that the FMU does not take."""
+    done = navfmu("stations", "stations.csv", *NEAR, "--altitude", 6000, "--network", "network.csv")
+    assert done.exit_code == 0, done.output
+    fmu = built.fmu("dme", tmp_path_factory)
+    done = navfmu("table", fmu, "network", "--from", "network.csv", "--out", "dme.fmu")
+    assert done.exit_code == 0, done.output
+    run = System.load("dme.fmu").run(
+        stop=10.0,
+        step=1.0,
+        parameters={
+            **{"dme.stations_from": "network", "dme.mode": 3, "dme.bias_sigma": 0.0, "dme.noise_sigma": 0.0},
+            **{"dme.latitude": np.radians(37.4), "dme.longitude": np.radians(-121.5), "dme.altitude": 6000 * 0.3048},
+        },
+        record=["dme.ranging.slant_range"],
+        record_period=1.0,
+    )
+    assert sorted(run.to_numpy()[-1][:3]) == pytest.approx([62.6e3, 62.6e3, 66.6e3], rel=1e-2)
+
+
 def test_a_filter_gets_the_same_without_ranges(files, tmp_path_factory):
     done = navfmu(
         "stations", "stations.csv", "--track", "flight.csv", "--fmu", built.fmu("navigator", tmp_path_factory),
