@@ -18,7 +18,7 @@ import click
 def command(file, near, altitude, track, ground, count, fmu, out, network):
     """Choose the stations of FILE whose circles cross best at a place or along a track.
 
-    FILE is a nav.dat of X-Plane's layout (versions 810, 1100, 1150: rows 12 and 13), or a CSV table with the columns
+    FILE is a nav.dat of X-Plane's layout (versions 740 to 1200: rows 12 and 13), or a CSV table with the columns
     ident, latitude_deg, longitude_deg, elevation_ft, frequency_mhz, range_nmi, and if known bias_nmi and name. A
     station is heard within its range and above the radio horizon of a smooth Earth.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterator
 
 import numpy as np
@@ -22,8 +23,8 @@ OPTIONAL = {"bias_nmi": "bias"}
 
 def read(text: str, source: str) -> Iterator[Station]:
     """The stations of a table; ``source`` names it in sentences. Other columns than the known ones are not used."""
-    rows = csv.reader(text.splitlines())
-    header = [name.strip() for name in next(rows, [])]
+    rows = _rows(text, source)
+    header = [name.strip() for name in next(rows, (0, []))[1]]
     for name in ("ident", *REQUIRED):
         if header.count(name) != 1:
             have = "are two columns" if name in header else "is no column"
@@ -32,8 +33,8 @@ def read(text: str, source: str) -> Iterator[Station]:
                 f"(stations need ident, {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)} and name; "
                 "or a file of X-Plane's layout, which begins with a line I or A and one with its version)"
             )
-    for words in rows:
-        where = f"{source}, line {rows.line_num}"
+    for line, words in rows:
+        where = f"{source}, line {line}"
         if not any(word.strip() for word in words):
             continue
         if len(words) != len(header):
@@ -45,7 +46,19 @@ def read(text: str, source: str) -> Iterator[Station]:
         for column, key in (REQUIRED | OPTIONAL).items():
             if column in row:
                 numbers[key] = _number(row[column], column, where)
-        yield station(row["ident"], row.get("name", ""), numbers, where, rows.line_num)
+        yield station(row["ident"], row.get("name", ""), numbers, where, line)
+
+
+def _rows(text: str, source: str) -> Iterator[tuple[int, list[str]]]:
+    """Each row behind the number of its line."""
+    rows = csv.reader(io.StringIO(text, newline=None), strict=True)
+    try:
+        for words in rows:
+            yield rows.line_num, words
+    except csv.Error as error:
+        raise NavfmuError(
+            f"{source}, line {rows.line_num}: {error}; expected values between commas, and quotes in pairs"
+        ) from None
 
 
 def _number(word: str, column: str, where: str) -> float:

@@ -27,7 +27,7 @@ def test_a_file_of_version_810(tmp_path):
     np.testing.assert_allclose([sea.elevation, sea.frequency, sea.range], [107.8992, 116.8, 240760.0], rtol=1e-12)
 
 
-@pytest.mark.parametrize("version", ["1100", "1150"])
+@pytest.mark.parametrize("version", ["1100", "1150", "1200"])
 def test_a_later_file_has_terminal_and_region_between_ident_and_name(tmp_path, version):
     found = read(given(tmp_path, NEW.replace("1100", version, 1)))
     assert [(one.ident, one.name) for one in found.stations] == [
@@ -35,6 +35,11 @@ def test_a_later_file_has_terminal_and_region_between_ident_and_name(tmp_path, v
         ("IAAA", "34R DME-ILS"),
         ("AAL", "AALBORG TACAN"),
     ]
+
+
+def test_a_file_of_version_740_has_the_same_rows(tmp_path):
+    old, before = given(tmp_path, OLD), given(tmp_path, OLD.replace("810", "740", 1), "before.dat")
+    assert read(before).stations == read(old).stations
 
 
 @pytest.mark.parametrize("head", ["", "\n", " \n", "A\n"])
@@ -55,6 +60,20 @@ def test_ends_of_lines_marks_and_what_stands_behind_the_end_do_not_matter(tmp_pa
 def test_names_in_the_letters_of_old_files(tmp_path):
     found = read(given(tmp_path, OLD.replace("AALBORG", "\u00c5LBORG").encode("latin-1")))
     assert found.stations[-1].name == "\u00c5LBORG TACAN"
+
+
+@pytest.mark.parametrize("mark", [b"\x85", b"\x0c", b"\x1c", "\u2028".encode()])
+def test_a_mark_in_a_name_does_not_end_its_line(tmp_path, mark):
+    """Three dots of old Windows, a new page. Catches ``str.splitlines``."""
+    found = read(given(tmp_path, OLD.encode().replace(b"AALBORG", b"AAL" + mark + b"BORG")))
+    assert [one.ident for one in found.stations] == ["SEA", "IAAA", "AAL"]
+    found = read(given(tmp_path, TABLE.encode().replace(b"WEST", b"WE" + mark + b"ST"), "stations.csv"))
+    assert [one.line for one in found.stations] == [2, 3, 4]
+
+
+def test_remarks_are_passed_over(tmp_path):
+    remarked = OLD.replace("\n12 ", "\n# 12 as they were\n12 ", 1)
+    assert [one.line for one in read(given(tmp_path, remarked)).stations] == [8, 10, 12]
 
 
 ROW = "12  47.43538889 -122.30963889    354 11680 130    0.0 SEA  SEATTLE VORTAC DME"
@@ -84,8 +103,12 @@ def test_a_row_with(name, tmp_path):
 
 
 WRONG_FILES = {
-    "a version of before": (OLD.replace("810", "740", 1), "line 2: the version of the file is '740'; expected 810 or"),
-    "no version": ("I\n", "line 2: the version of the file is missing; expected 810 or 1100 or 1150"),
+    "a version of before": (OLD.replace("810", "715", 1), "line 2: the version of the file is '715'; expected 740 or"),
+    "a raised digit": (OLD.replace("810 V", "\u00b2 V", 1), "line 2: the version of the file is '\u00b2'; expected"),
+    "a version without an end": (OLD.replace("810", "8" * 5000, 1), "line 2: the version of the file is '888"),
+    "a quote that does not end": (TABLE.replace('OF IT"', "OF IT"), "line 4: unexpected end of data; expected values"),
+    "a word without an end": (TABLE.replace("WEST", "W" * 200_000), "line 2: field larger than field limit"),
+    "no version": ("I\n", "line 2: the version of the file is missing; expected 740 or 810 or 1100 or 1150"),
     "its end missing": (OLD.removesuffix("99\n"), "ends at line 11 without the row 99: something of it is missing"),
     "an old row in a later file": (NEW.replace("ENRT K1 SEATTLE VORTAC DME", ""), "has 8 words; expected at least 10"),
     "no transponder": ("I\n810 Version\n99\n", "holds no station; expected rows 12 or 13"),
