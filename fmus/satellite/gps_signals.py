@@ -6,12 +6,12 @@ import numpy as np
 
 from fmus.satellite import examples
 from fmus.satellite.gps import Gps
+from fmus.satellite.jamming import Jamming
 from fmus.satellite.signals import PLACES, signals
 from models.attitude import attitude
 from models.earth import earth
 from models.processes import gauss_markov
 from models.processes.known import known
-from models.radio import dme
 from models.satellite import (
     ageing,
     antenna,
@@ -33,12 +33,11 @@ from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Example, Grid, Input, Output, Parameter, State, Table, every, require, start
 
 SATELLITES = 32
-JAMMERS = 4
 LOWEST = float(np.radians(2.0))
 """Elevation below which delays grow no more."""
 
 
-class GpsSignals(Component):
+class GpsSignals(Jamming, Component):
     """Receiver of GPS at the level of signals: pseudoranges, range rates and C/N0 of the satellites that it tracks.
 
     Satellites. The table `orbits` has their orbits and clocks (IS-GPS-200): as built the 24 nominal slots;
@@ -86,9 +85,6 @@ class GpsSignals(Component):
     pitch = Gps.pitch
     heading = Gps.heading
     specific_force = Input(3, "m/s2", description="true specific force in b, changes the frequency of the clock")
-    jammed = Input(kind="boolean", fault=True, description="fault: interference, no signal is left")
-    jammer_power = Input(JAMMERS, "W", fault=True, description="fault: each jammer radiates this, EIRP")
-    region_radius = Input("m", fault=True, description="fault: no signal is left within this of the region's middle")
     satellite_off = Input(SATELLITES, kind="boolean", fault=True, description="fault: satellite of this PRN is silent")
     range_step = Input(SATELLITES, "m", fault=True, description="fault: satellite of this PRN is too far by this")
     range_ramp = Input(
@@ -98,8 +94,6 @@ class GpsSignals(Component):
         "1", fault=True, description="fault: satellites' own errors are larger by this times what they say"
     )
     clock_jump = Input("s", fault=True, description="fault: the receiver's clock is ahead by this")
-    spoofing_n = Input(3, "m", fault=True, description="fault: all signals are those of a place that is off, n")
-    spoofing_rate_n = Input(3, "m/s", fault=True, description="fault: rate at which that place is carried off, n")
 
     start_week = Parameter(kind="integer", start=slots.EPOCH[0], min=0, max=9999, description="GPS week at t = 0")
     start_seconds = Parameter(
@@ -157,16 +151,6 @@ class GpsSignals(Component):
     clock_sensitivity = Parameter(
         3, "s2/m", start=1e-10, description="frequency by specific force in b, relative: 1e-9 per g"
     )
-    jammer_latitude = Parameter(
-        JAMMERS, "rad", start=np.radians(37.7), display_unit="deg", description="of each jammer"
-    )
-    jammer_longitude = Parameter(
-        JAMMERS, "rad", start=np.radians(-122.0), display_unit="deg", description="of each jammer"
-    )
-    jammer_altitude = Parameter(JAMMERS, "m", start=30.0, description="of each jammer, above the ellipsoid")
-    jammer_spread = Parameter("1", start=1.0, min=0.5, max=5.0, description="Q: 1 narrow band, 2 spread as the code")
-    region_latitude = Parameter("rad", start=np.radians(37.7), display_unit="deg", description="middle of a region")
-    region_longitude = Parameter("rad", start=np.radians(-122.0), display_unit="deg", description="middle of it")
 
     orbits = Table(columns=COLUMNS, rows=slots.constellation(), key="place")
     antenna = Grid(
@@ -187,7 +171,6 @@ class GpsSignals(Component):
     reflected = State(PLACES, "1", description="multipath, over its sigma")
     common = State(2, "1", description="error of ionosphere and troposphere, over their sigmas")
     run_away = State(SATELLITES, "m", description="by range_ramp")
-    carried_n = State(3, "m", description="by spoofing_rate_n")
     bias = State("s", description="of the clock without a jump")
     drift = State("1", description="rate of it without acceleration")
     clock_covariance = State((2, 2), "s2", description="of what the clock gains in a period")
@@ -231,8 +214,7 @@ class GpsSignals(Component):
     @every("measurement_period")
     def measure(self, noise):
         week, second = self._now()
-        carries = known(self.spoofing_rate_n, 0.0)
-        self.carried_n = np.where(carries != 0.0, self.carried_n + self.period * carries, 0.0)
+        self._carry_off(self.period)
         position_e, velocity_e, c_ne, finite = self._motion()
         number = self.placed
         orbit, usable = self._orbits(number, week, second)
@@ -247,10 +229,10 @@ class GpsSignals(Component):
         # what is received of it, and whether it is followed
         c_nb = self._c_nb()
         power = signal_power.of_satellite(distance, self.signal_margin) + self._gain(unit_n, c_nb)
-        interference = self._interference(c_ne, c_nb)
+        interference = self._interference(c_ne, lambda unit_n: self._gain(unit_n, c_nb))
         ratio = signal_power.carrier_to_noise(power, interference, self.noise_density, self.jammer_spread)
         silent = self._by_number(self.satellite_off, number) > 0.0
-        heard = up & np.logical_not(silent | self.jammed | self._within_region(position_e))
+        heard = up & np.logical_not(silent | self.jammed | self._within_region())
         strong = heard & (ratio >= signal_power.ratio(self.acquisition_threshold))
         holding = heard & (ratio >= self.least)
         tracked, self.strong_for = tracking.locked(
@@ -326,7 +308,7 @@ class GpsSignals(Component):
 
     def _place(self):
         finite = np.isfinite(self.latitude + self.longitude + self.altitude)
-        north, east, down = self.carried_n + known(self.spoofing_n, 0.0)
+        (north, east, down), _ = self._spoofed()
         altitude = np.where(finite, self.altitude, 0.0)
         latitude, longitude = gps.displaced(
             np.where(finite, self.latitude, 0.0), np.where(finite, self.longitude, 0.0), altitude, north, east
@@ -337,7 +319,7 @@ class GpsSignals(Component):
         """Position and velocity in e of the place whose signals come, C_ne there, and whether it is known."""
         place = self._place()
         c_ne = earth.north_east_down(*place[:2])
-        velocity_n = known(self.velocity_n, 0.0) + known(self.spoofing_rate_n, 0.0)
+        velocity_n = known(self.velocity_n, 0.0) + self._spoofed()[1]
         finite = np.isfinite(self.latitude + self.longitude + self.altitude + np.sum(self.velocity_n))
         return earth.to_ecef(*place), velocity_n @ c_ne, c_ne, finite
 
@@ -354,21 +336,6 @@ class GpsSignals(Component):
     def _gain(self, unit_n, c_nb):
         azimuth, elevation = antenna.direction(unit_n, c_nb)
         return self.antenna.around(azimuth=azimuth, elevation=elevation).bilinear()[:, 0]
-
-    def _interference(self, c_ne, c_nb):
-        """Power of all jammers behind the antenna, W."""
-        position_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
-        line = earth.to_ecef(self.jammer_latitude, self.jammer_longitude, self.jammer_altitude).T - position_e
-        distance = np.maximum(np.sqrt(np.sum(line * line, axis=1)), 1.0)
-        power = signal_power.of_jammer(known(self.jammer_power, 0.0), distance)
-        power = power + self._gain((line / distance[:, None]) @ c_ne.T, c_nb)
-        reach = dme.horizon(self.altitude, self.jammer_altitude, 0.0)
-        return np.sum(np.where(distance <= reach, signal_power.ratio(power), 0.0))
-
-    def _within_region(self, position_e):
-        middle = earth.to_ecef(self.region_latitude, self.region_longitude, known(self.altitude, 0.0))
-        away = position_e - middle
-        return np.sum(away * away) < known(self.region_radius, 0.0) ** 2
 
     def _by_number(self, values, number):
         """Of a value for each PRN that of the satellites in each place, 0 where none is."""

@@ -26,13 +26,22 @@ def displaced(latitude, longitude, altitude, north, east):
     )
 
 
-def fix(latitude, longitude, altitude, velocity_n, sigmas, normal):
-    """A position and velocity fix; ``sigmas`` = (horizontal m, vertical m, velocity m/s), ``normal`` has 6 elements."""
+def fix(latitude, longitude, altitude, velocity_n, sigmas, normal, offset_n=(0.0, 0.0, 0.0), rate_n=0.0):
+    """A position and velocity fix; ``sigmas`` = (horizontal m, vertical m, velocity m/s), ``normal`` has 6 elements.
+
+    False signals are those of a place that is off by ``offset_n``, n, m, and goes on by ``rate_n``, m/s.
+    """
     horizontal, vertical, velocity = sigmas
+    north, east, down = offset_n
     measured_latitude, measured_longitude = displaced(
-        latitude, longitude, altitude, horizontal * normal[0], horizontal * normal[1]
+        latitude, longitude, altitude, horizontal * normal[0] + north, horizontal * normal[1] + east
     )
-    return measured_latitude, measured_longitude, altitude + vertical * normal[2], velocity_n + velocity * normal[3:6]
+    return (
+        measured_latitude,
+        measured_longitude,
+        altitude + vertical * normal[2] - down,
+        velocity_n + velocity * normal[3:6] + rate_n,
+    )
 
 
 def angles(roll, pitch, heading, sigma, normal):
