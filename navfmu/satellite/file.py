@@ -28,4 +28,4 @@ def read_orbits(path: str | Path, near: date | None = None) -> Orbits:
         return yuma.read(lines, near)
     if sem.is_sem(lines):
         return sem.read(lines, near)
-    raise NavfmuError(f"{path}: is none that can be told; expected {EXPECTED}")
+    raise NavfmuError(f"{path}: begins like no file of orbits; expected {EXPECTED}")

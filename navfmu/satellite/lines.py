@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import io
 import re
@@ -12,6 +13,7 @@ from pathlib import Path
 from navfmu.errors import NavfmuError, quoted
 from navfmu.files.reading import read_bytes
 
+BOM = codecs.BOM_UTF8
 LIMIT = 1 << 30  # bytes
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?")
 CENTURY = 80  # years of two digits from here on are 19..
@@ -25,8 +27,10 @@ class Lines:
 
     def __init__(self, path: str | Path, expected: str) -> None:
         self.path, self.expected = Path(path), expected
-        text = _content(self.path, expected).decode("latin1")
-        self.text = text.splitlines()
+        text = _content(self.path, expected).removeprefix(BOM).decode("latin1")
+        self.text = io.StringIO(text, newline=None).read().split("\n")
+        if not self.text[-1]:
+            del self.text[-1]
         self.remarks = [] if text.endswith(("\n", "\r")) else ["the last line does not end: the file may be cut off"]
 
     def __len__(self) -> int:
@@ -53,10 +57,10 @@ class Lines:
         return value
 
     def whole(self, at: int, text: str, what: str) -> int:
-        """A whole number."""
+        """A whole number of at most nine digits."""
         value = self.number(at, text, what)
-        if value != int(value):
-            raise self.wrong(at, f"{what} is {text.strip()}; expected a whole number")
+        if value != int(value) or abs(value) >= 1e9:
+            raise self.wrong(at, f"{what} is {quoted(text)}; expected a whole number")
         return int(value)
 
     def instant(self, at: int, fields: list[str]) -> tuple[date, float]:

@@ -170,13 +170,14 @@ def test_a_week_of_an_almanac_wants_a_date(tmp_path, almanac):
         (glab("0.188600000000D+04", "0.188500000000D+04"), ["satellite 20 is 1885"]),
         (glab("16  3  1  0  0  0.0", "16  2 29 23 59 42.0"), ["16 s", "UTC"]),
         (glab("16  3  1", "16 13  1"), ["line 6", "2016-13-1 is no date"]),
+        (glab("20 16  3  1", "20 1E99 3 1"), ["line 6", "the year is 1E99; expected a whole number"]),
         (glab("16  3  1  0  0", "16  3  1 25  0"), ["25:0:0 is no time"]),
         (glab("20 16", "99 16"), ["prn is 99"]),
         (made.navigation_3("#" + made.GLAB), ["line 5", "expected a satellite"]),
         (made.navigation_2(made.GLAB).replace("2.10", "4.00"), ["version 4", "2 or 3"]),
         (made.OBSERVED_3, ["type 'OBSERVATION DATA'"]),
-        ("", ["none that can be told"]),
-        ("a,b\n1,2\n", ["none that can be told", "YUMA"]),
+        ("", ["begins like no file of orbits"]),
+        ("a,b\n1,2\n", ["begins like no file of orbits", "YUMA"]),
         (made.yuma(1, 2)[:-100], ["line 17", "no 'af1'", "cut off"]),
         (made.yuma(1, 1), ["satellite 1 comes again"]),
         (made.yuma(1, week=12345), ["the week is 12345", "0 to 9999"]),
@@ -197,6 +198,22 @@ def test_what_is_wrong_is_said(tmp_path, text, words):
     for word in words:
         assert word in told, told
     assert str(tmp_path) in told
+
+
+@pytest.mark.parametrize("almanac", [made.yuma, made.sem])
+def test_marks_of_editors_and_letters_of_other_languages_change_nothing(tmp_path, almanac):
+    """UTF-8 with its mark, ends of lines of other systems; the second byte of an A with a ring is an end of line for
+    ``str.splitlines``, so that the line of an error would be another one."""
+    texts = [made.navigation_2(made.GLAB).replace("made", "A. \u00c5s"), almanac(1, 2)]
+    for text in texts:
+        rows = read(tmp_path, text, NEAR).rows
+        for other in (text.encode("utf-8-sig"), text.replace("\n", "\r\n").encode(), text.replace("\n", "\r").encode()):
+            file = tmp_path / "other"
+            file.write_bytes(other)
+            np.testing.assert_array_equal(read_orbits(file, NEAR).rows, rows)
+    file.write_bytes(texts[0].replace("16  3  1", "16 13  1").encode())
+    with pytest.raises(NavfmuError, match="line 6: 2016-13-1 is no date"):
+        read_orbits(file)
 
 
 def test_files_that_are_packed_wrongly(tmp_path):
