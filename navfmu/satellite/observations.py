@@ -131,7 +131,7 @@ def _position(lines: Lines, header: Header) -> np.ndarray | None:
 
 
 def _of_leap_seconds(second: np.ndarray, week: int) -> Iterator[str]:
-    """Tell of epochs that are as far beyond round times as UTC is behind GPS time."""
+    """Tell of epochs that are as far from round times as UTC is from GPS time."""
     if len(second) < 2:
         return
     step = float(np.median(np.diff(second)))
@@ -139,8 +139,7 @@ def _of_leap_seconds(second: np.ndarray, week: int) -> Iterator[str]:
     if step < 5.0 or abs(step - round(step)) > 1e-3 or not leap % step:
         return
     beyond = np.mod(second + 0.5, step) - 0.5
-    if np.all(np.abs(np.mod(beyond + leap + 0.5 * step, step) - 0.5 * step) < 0.01):
-        yield (
-            f"epochs are {float(np.median(beyond)):g} s beyond multiples of {step:g} s, as if they were counted in "
-            f"UTC, which is {leap} s behind GPS time"
-        )
+    for sign, words in ((1, f"counted in UTC, which is {leap} s behind GPS time"), (-1, f"{leap} s ahead of GPS time")):
+        if np.all(np.abs(np.mod(beyond + sign * leap + 0.5 * step, step) - 0.5 * step) < 0.01):
+            yield f"epochs are {float(np.median(beyond)):g} s beyond multiples of {step:g} s, as if they were {words}"
+            return

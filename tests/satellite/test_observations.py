@@ -64,7 +64,8 @@ def test_a_name_that_is_not_there(tmp_path):
 
 
 def test_epochs_of_utc_are_told(tmp_path):
-    """Every 30 s at 12 s and 42 s, 18 s too early: as if in UTC; at full half minutes nothing is told."""
+    """Every 30 s at 12 s and 42 s, 18 s too early: as if in UTC; 18 s too late: leap seconds added to GPS time; at full
+    half minutes nothing is told."""
 
     def sentences(*seconds):
         head, _, _ = made.OBSERVED_3.partition("> ")
@@ -73,8 +74,9 @@ def test_epochs_of_utc_are_told(tmp_path):
         return " ".join(read(tmp_path, head + "".join(epochs)).sentences())
 
     assert "as if they were counted in UTC, which is 18 s behind" in sentences(12, 42, 72, 102)
-    assert "UTC" not in sentences(0, 30, 60, 90)
-    assert "UTC" not in sentences(5, 35, 65, 95)
+    assert "epochs are 18 s beyond multiples of 30 s, as if they were 18 s ahead of GPS time" in sentences(18, 48, 78)
+    assert "as if" not in sentences(0, 30, 60, 90)
+    assert "as if" not in sentences(5, 35, 65, 95)
     told = sentences(0, 30, 120, 150)
     assert "1 gap(s); the longest lasts 90 s from 2020-06-25 00:00:30 GPS" in told and "every 30 s" in told
 
