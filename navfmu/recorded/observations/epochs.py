@@ -102,9 +102,9 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
     )
 
 
-def held(epochs: Epochs, orbits: Orbits) -> np.ndarray:
-    """Return for which measurements, (n, places), there is an orbit of a healthy satellite that holds then: the
-    nearest one by its t_oe, as the player takes it."""
+def held(epochs: Epochs, orbits: Orbits, unhealthy: bool = False) -> np.ndarray:
+    """Return for which measurements, (n, places), there is an orbit that holds then, of a healthy satellite (or of an
+    ``unhealthy`` one, too): the nearest by its t_oe, as the player takes it."""
     names = ("prn", "toe_week", "toe", "limit", "health")
     prn, week, second, limit, health = (orbits.column(name) for name in names)
     good = np.zeros(epochs.number.shape, bool)
@@ -114,7 +114,8 @@ def held(epochs: Epochs, orbits: Orbits) -> np.ndarray:
             row, place = np.nonzero(epochs.number == satellite)
             away = np.abs((epochs.week[row, None] - week[own]) * WEEK + epochs.second[row, None] - second[own])
             near = np.argmin(away, axis=1)
-            good[row, place] = (away[np.arange(len(row)), near] <= limit[own][near]) & (health[own][near] == 0.0)
+            well = unhealthy | (health[own][near] == 0.0)
+            good[row, place] = (away[np.arange(len(row)), near] <= limit[own][near]) & well
     return good
 
 

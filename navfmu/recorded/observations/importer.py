@@ -66,7 +66,7 @@ class Imported:
             which = np.unique(epochs.number[gone]).astype(int)
             yield (
                 f"{np.count_nonzero(gone)} of {np.count_nonzero(seen)} measurements have no orbit that holds, or their "
-                f"satellite calls itself unhealthy, and are not `tracked`: satellites {', '.join(map(str, which))}"
+                f"satellite calls itself unhealthy, and are not `tracked`: satellites {_list(which)}"
             )
         few = np.flatnonzero(self.good.sum(axis=1) < FEWEST)
         if len(few):
@@ -142,7 +142,7 @@ def import_observations(
     epochs = take(found, places, names or {}, start)
     good = held(epochs, orbits)
     if np.max(good.sum(axis=1)) < FEWEST:
-        _of_another_time(found, epochs, orbits)
+        raise NavfmuError(f"{orbits.source}: {_why_none_holds(found, epochs, orbits)}")
     remarks = []
     for sentence in (*doubts(epochs), *found.doubts):
         if not unchecked:
@@ -161,16 +161,28 @@ def _orbits(path: str | Path) -> Orbits:
     return found
 
 
-def _of_another_time(found: Observations, epochs: Epochs, orbits: Orbits) -> None:
-    """Tell how far orbits are from observations for which they do not hold."""
+def _why_none_holds(found: Observations, epochs: Epochs, orbits: Orbits) -> str:
+    """Tell why orbits are of no use for observations: other satellites, unhealthy ones, or how far off in time."""
+    sent, seen = (np.unique(of).astype(int) for of in (orbits.column("prn"), epochs.number[epochs.number > 0.0]))
+    if len(np.intersect1d(sent, seen)) < FEWEST:
+        return (
+            f"has orbits of the satellites {_list(sent)}, and {found.source} has measured {_list(seen)}; expected "
+            f"{FEWEST} of these at least"
+        )
+    if np.max(held(epochs, orbits, unhealthy=True).sum(axis=1)) >= FEWEST:
+        return f"at no epoch of {found.source} {FEWEST} of the satellites call themselves healthy; expected so many"
     toe = orbits.column("toe_week") * WEEK + orbits.column("toe")
     at = epochs.week * WEEK + epochs.second
     apart = (np.median(at) - np.median(toe)) / WEEK
     turns = round(apart / ROLLOVER)
     rolled = turns and abs(apart - turns * ROLLOVER) < 1.0
     why = f"; they are {abs(turns) * ROLLOVER} weeks apart, by which weeks are told modulo {ROLLOVER}" if rolled else ""
-    raise NavfmuError(
-        f"{orbits.source}: at no epoch there are orbits for {FEWEST} of the satellites: they are of "
-        f"{moment(toe.min())} to {moment(toe.max())}, and {found.source} is of {epochs.moment(0)} to "
-        f"{epochs.moment(-1)}{why}; expected orbits within {orbits.column('limit').max() / 3600.0:g} h"
+    return (
+        f"at no epoch there are orbits for {FEWEST} of the satellites: they are of {moment(toe.min())} to "
+        f"{moment(toe.max())}, and {found.source} is of {epochs.moment(0)} to {epochs.moment(-1)}{why}; expected "
+        f"orbits within {orbits.column('limit').max() / 3600.0:g} h"
     )
+
+
+def _list(satellites: np.ndarray) -> str:
+    return ", ".join(map(str, satellites))
