@@ -20,9 +20,11 @@ def command(files, near, out):
     navfmu orbits yuma0377.txt --near 2006-11-15 --out orbits.csv
     navfmu table FMU orbits --from orbits.npy --out other.fmu
     """
+    from navfmu.errors import NavfmuError
     from navfmu.files.numbers import packed
     from navfmu.files.numbers_as_text import text
     from navfmu.files.writing import write_file
+    from navfmu.satellite import navigation
     from navfmu.satellite.file import read_orbits
     from navfmu.satellite.orbits import joined
     from navfmu.system.result import check_file
@@ -30,6 +32,8 @@ def command(files, near, out):
     target = None if out is None else check_file(out, ".csv", ".npy")
     day = None if near is None else _day(near)
     parts = [read_orbits(file, day) for file in files]
+    if day is not None and all(part.kind == navigation.KIND for part in parts):
+        raise NavfmuError(f"--near {near} is for almanacs; {files[0]} is a {navigation.KIND} file, which has dates")
     found = joined(parts) if len(parts) > 1 else parts[0]
     _print(found)
     if target is not None:

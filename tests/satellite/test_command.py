@@ -32,12 +32,14 @@ def test_two_days_go_into_one_table(tmp_path):
 
 def test_what_is_wrong_is_a_sentence(tmp_path):
     almanac = made.written(tmp_path, "yuma.txt", made.yuma(1, 2))
+    messages = made.written(tmp_path, "brdc.01n", made.navigation_2(made.GLAB))
     out = tmp_path / "orbits.csv"
     for arguments, words in (
         ((almanac, "--out", out), "expected a date near it"),
         ((almanac, "--near", "yesterday", "--out", out), "--near is 'yesterday'; expected a date as in 2006-11-15"),
         ((almanac, "--near", "2006-11-15", "--out", tmp_path / "orbits.txt"), "expected .csv or .npy"),
         ((tmp_path / "nothing", "--out", out), "no such file"),
+        ((messages, "--near", "2016-03-01", "--out", out), "--near 2016-03-01 is for almanacs"),
     ):
         told = run(*arguments)
         assert told.exit_code == 2 and words in " ".join(told.output.split()), told.output
