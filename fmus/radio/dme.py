@@ -383,9 +383,13 @@ class Dme(stations.StationTable, Component):
     followed = State(PLACES, "m", description="distance at which replies were last followed")
     held = State(PLACES, "m", description="last reading of each station, for its memory")
 
-    @require("interval {interval} s is shorter than lock_in {lock_in} s plus ranging_time {ranging_time} s")
+    @require(
+        "interval {interval} s is shorter than lock_in {lock_in} s plus ranging_time {ranging_time} s, in whole steps "
+        "of ranging_period {ranging_period} s"
+    )
     def interval_is_long_enough(self):
-        return np.logical_or(self.mode == 3, self.interval >= self.lock_in + self.ranging_time)
+        whole = np.floor(self.interval / self.ranging_period + 1.0e-9) * self.ranging_period
+        return (self.mode == 3) | ((whole > 0.0) & (whole >= self.lock_in + self.ranging_time - 1.0e-9))
 
     @require("pair does not name two different places, from 1 to station_count {station_count}")
     def pair_is_there(self):
@@ -482,7 +486,7 @@ class Dme(stations.StationTable, Component):
         too_high = sight.is_above(up, true_range, self.highest_elevation)
         admitted = (self.station_number > 0) & (true_range >= self.nearest) & ~too_high
         self.selected = self.select(line, inside, admitted)
-        asked, due = schedule.asked(self.time, self.period, self.mode, self.interval, dwell, self.selected)
+        asked, due, announced = schedule.asked(self.time, self.period, self.mode, self.interval, dwell, self.selected)
         rate = interrogator.rate(asked, self.tracking, self.searching, self.lock_in)
         among = np.where(self.mode == 3, np.maximum(np.sum(np.where(asked, 1.0, 0.0)), 1.0), 1.0)
         self.interrogation_rate = rate / among
@@ -496,7 +500,7 @@ class Dme(stations.StationTable, Component):
         delay = self.delay_change + self.delay_drifted
         off = self.station_off | (np.abs(delay) >= self.monitor_limit)
         heard = np.where(self.wrong_station, other_range <= other_reach, inside) & ~off
-        load = transponder.load(self.traffic, self.searching_share) + self.interrogation_rate
+        load = transponder.load(np.maximum(self.traffic, 0.0), self.searching_share) + self.interrogation_rate
         share = transponder.efficiency(load, self.capacity, self.dead_time) * self.reply_efficiency
         share = share * np.clip(1.0 - self.replies_lost, 0.0, 1.0)
         self.answered_share = known(np.where(heard, share, 0.0), 0.0)
@@ -518,7 +522,7 @@ class Dme(stations.StationTable, Component):
         self.searching = np.where(self.phase == interrogator.Phase.SEARCH, self.searching + self.period, 0.0)
         self.followed = np.where(answered, path, self.followed)
 
-        measured = due & admitted & (self.tracking >= dwell - 1.0e-6)
+        measured = due & admitted & kept & (self.tracking >= dwell - 1.0e-6)
         self.rest = np.where(
             due & ~measured & (self.searching >= dwell - 1.0e-6),
             self.retry_time,
@@ -532,7 +536,7 @@ class Dme(stations.StationTable, Component):
             slant_range=np.where(measured, self.held, self.ranging.slant_range),
             measured=measured,
             valid=np.any(measured),
-            when=np.any(due),
+            when=announced,
         )
 
     @every("exchange_period", offset="ranging_period")

@@ -62,7 +62,8 @@ def tracking_time(before, kept, period):
 
 def remembered(interrogated, tracking, silent, lock_in, memory):
     """Where a receiver that had locked in waits for replies, which have been missing for ``silent``, s."""
-    return interrogated & (tracking >= lock_in - 1.0e-6) & (silent <= memory + 1.0e-9)
+    locked = (tracking > 0.0) & (tracking >= lock_in - 1.0e-6)
+    return interrogated & locked & (silent <= memory + 1.0e-9)
 
 
 def phase(interrogated, before, kept, waiting, lock_in):

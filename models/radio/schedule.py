@@ -43,13 +43,15 @@ def asked(time, period, mode, interval, dwell, selected):
     -------
     interrogated, due
         Truth values, shape (5,).
+    announced
+        Whether a measurement is due, of whichever station or, where none is selected, of none.
     """
     count = np.sum(np.where(selected, 1.0, 0.0))
     rank = np.cumsum(np.where(selected, 1.0, 0.0)) - 1.0
     now = due_now(time, period, interval)
     # the coming measurement, which may be this one
     coming = np.where(now, slot(time, interval), slot(time, interval) + 1.0)
-    tuned = coming * interval - time < dwell - 1.0e-9
+    tuned = now | (coming * interval - time < dwell - 1.0e-9)
     receivers = np.where(mode == 2, 2.0, 1.0)
     place = rank - receivers * (coming - 1.0)
     count = np.maximum(count, 1.0)
@@ -57,7 +59,7 @@ def asked(time, period, mode, interval, dwell, selected):
     scanning = mode == 3
     interrogated = selected & np.where(scanning, True, np.logical_and(mine, tuned))
     due = selected & np.where(scanning, True, np.logical_and(mine, now))
-    return interrogated, due
+    return interrogated, due, scanning | now
 
 
 def inclusion_sines(north, east):

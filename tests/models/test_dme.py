@@ -144,6 +144,17 @@ def test_an_interval_shorter_than_lock_in_and_ranging_is_refused():
     interpret(Dme, interval=4.0, mode=3)
 
 
+@pytest.mark.parametrize("period", [0.7, 2.0, 3.0, 60.0])
+def test_an_interval_that_is_long_enough_in_no_whole_steps_is_refused(period):
+    """A turn of 5 s has seven steps of 0.7 s, which are 4.9 s. Catches receivers of which nothing is ever heard."""
+    with pytest.raises(NavfmuError, match=f"in whole steps of ranging_period {period:g} s"):
+        interpret(Dme, interval=5.0, ranging_period=period)
+    if period < 5.0:
+        run = interpret(Dme, **FLYING, **five_stations(), interval=5.0 + period, ranging_period=period)
+        found = [m for _, m, _ in follow(run, 60.0 * period, period)]
+        assert found == [[k % 5] for k in range(len(found))] and len(found) > 5
+
+
 # --- coverage --------------------------------------------------------------------------------------------------------
 
 

@@ -94,6 +94,30 @@ def test_a_receiver_does_not_follow_in_memory():
     assert [phase for phase, _ in phases(run, 8)] == [MEMORY] * 4 + [TRACK] * 4
 
 
+@pytest.mark.parametrize(
+    "times", [{"ranging_time": 0.0}, {"memory_time": 30.0}, {"ranging_time": 0.0, "memory_time": 30.0}]
+)
+@pytest.mark.parametrize("mode", [1, 3])
+def test_without_lock_in_a_station_that_never_answered_has_no_range(mode, times):
+    """Catches a tracking of 0 s that is long enough, and the memory of a reading that there never was: 0 m."""
+    run = interpret(Dme, **FLYING, **five_stations(), mode=mode, lock_in=0.0, **times)
+    run.set("station_off", [True, False, False, False, False])
+    run.do_step(0.0, 15.0)
+    assert not run.get("ranging.measured")[0] and run.get("phase")[0] == SEARCH
+    run.do_step(15.0, 15.0)
+    assert run.get("ranging.measured")[1]
+
+
+def test_less_than_no_traffic_is_none():
+    run = interpret(Dme, **FLYING, **five_stations(), mode=3)
+    run.do_step(0.0, 10.0)
+    alone = run.get("answered_share")
+    run.set("traffic", [-1000.0, -100.0, -1.0, 0.0, 0.0])
+    run.do_step(10.0, 10.0)
+    np.testing.assert_array_equal(run.get("answered_share"), alone)
+    assert np.all(run.get("ranging.measured"))
+
+
 def test_a_transponder_that_answers_few_gives_no_range():
     run = interpret(Dme, **FLYING, **five_stations(), mode=3, reply_efficiency=[0.05, 1.0, 1.0, 1.0, 1.0])
     run.set("replies_lost", [-1.0] * 5)  # less than none is none
@@ -150,14 +174,29 @@ def test_selection_by_inclusion_angle_takes_turns_between_the_two():
 
 def test_none_is_selected_where_none_cross_and_a_silent_one_is_replaced():
     run = interpret(Dme, **FLYING, **bearings(0.0, 20.0, 175.0), selection="inclusion_angle")
-    run.do_step(0.0, 60.0)
-    assert run.get("ranging.sequence") == 0
+    assert [(t, m) for t, m, _ in follow(run, 60.0)] == [(15, []), (30, []), (45, []), (60, [])]
     run = interpret(Dme, **FLYING, **bearings(0.0, 90.0, 50.0), selection="inclusion_angle", mode=2)
     run.set("station_off", [False, True, False, False, False])
     found = [(t, m) for t, m, _ in follow(run, 120.0)]
     # the second one does not answer at 15 s; until 75 s the other pair, then the best one is tried again
     assert found == [(15, [0]), (30, [0, 2]), (45, [0, 2]), (60, [0, 2]), (75, [0, 2]), (90, [0]), (105, [0, 2]),
                      (120, [0, 2])]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("mode", "said"), [(1, [30.0, 45.0, 60.0]), (2, [30.0, 45.0, 60.0]), (3, np.arange(21.0, 61.0))]
+)
+def test_a_receiver_says_that_it_has_no_range_where_there_is_nobody_to_ask(mode, said):
+    """Too high over all stations from 20 s on, so that none is selected; a range that was due is announced as missing.
+    Catches a receiver that falls silent, with its last ranges valid for ever."""
+    run = interpret(Dme, **FLYING, **five_stations(), mode=mode, highest_elevation=np.radians(18.0))
+    run.do_step(0.0, 20.0)
+    assert run.get("ranging.valid")
+    run.set("altitude", 11500.0)
+    found = follow(run, 40.0)
+    assert [(t, m) for t, m, _ in found] == [(t, []) for t in said]
+    assert not np.any(run.get("selected")) and not run.get("ranging.valid")
+    assert run.get("ranging.time_of_validity") == 60.0
 
 
 def test_a_station_out_of_reach_is_not_selected_however_well_it_crosses():
@@ -198,7 +237,7 @@ def test_stations_below_the_aircraft_are_left_out(altitude, measured):
 def test_stations_nearer_than_wished_are_left_out():
     run = interpret(Dme, **FLYING, **five_stations(), mode=3, nearest=31e3)
     run.do_step(0.0, 10.0)
-    assert run.get("ranging.sequence") == 0
+    assert run.get("ranging.sequence") == 10 and not run.get("ranging.valid")
 
 
 def test_a_pair_that_is_not_there_is_refused():
