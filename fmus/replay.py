@@ -81,7 +81,8 @@ def tick_period() -> Parameter:
 def latest(component: Any, table: str, delay: Any) -> dict[str, Any]:
     """Return the last sample of a table that has come by now, column by column, arrays in one piece.
 
-    Where none has, its ``sequence`` is 0.
+    Where none has, its ``sequence`` is 0. A sample that comes although it is late by ROUNDING holds for now: whoever
+    takes it waits for the time that it holds for.
     """
     now = component.time - delay + ROUNDING * component.period
     around = getattr(component, table).around(time=now)
@@ -90,7 +91,11 @@ def latest(component: Any, table: str, delay: Any) -> dict[str, Any]:
     for (name, _), number in zip(getattr(type(component), table).columns, row, strict=True):
         found.setdefault(name.partition("[")[0], []).append(number)
     sample = {name: np.array(numbers) if len(numbers) > 1 else numbers[0] for name, numbers in found.items()}
-    return sample | {"sequence": np.where(row[0] <= now, sample["sequence"], 0.0), "valid": sample["valid"] > 0.0}
+    return sample | {
+        "sequence": np.where(row[0] <= now, sample["sequence"], 0.0),
+        "valid": sample["valid"] > 0.0,
+        "time_of_validity": np.minimum(sample["time_of_validity"], component.time),
+    }
 
 
 def announcement(sample: dict[str, Any], bundle: Any) -> dict[str, Any]:

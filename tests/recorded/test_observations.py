@@ -145,6 +145,18 @@ def test_epochs_within_a_tick_are_lost_and_told(imported, solved):
     np.testing.assert_allclose(east_north_up(sky, result), 0.0, atol=5e-3)
 
 
+def test_epochs_that_are_late_by_less_than_a_tick_resolves_are_solved_at_once(imported, solved):
+    """By a receiver's clock that drifts. An epoch that comes, and holds for a microsecond later, waits until then: it is
+    solved a tick late, or lost, for the next one has come."""
+    sky = Sky()
+    times = 2.0 * np.arange(10) + 1e-6 * (np.arange(10) > 0)
+    with pytest.warns(match=r"1 sample of 'solver\.signals' was lost"):  # two come in the first tick
+        result = solved(imported(sky.observations(times), sky.navigation()), tick=2.0)
+    seconds = result["observations.signals.seconds"].to_numpy()
+    np.testing.assert_allclose(seconds - SECOND, times[1:], atol=1e-7)
+    np.testing.assert_array_equal(result["solver.fix.time_of_validity"], 2.0 * np.arange(1, 10))
+
+
 def test_time_tags_of_utc_that_no_reader_sees_are_no_fix(imported, solved):
     """At an epoch a second nothing shows that tags are 18 s late; positions would be kilometres off."""
     sky = Sky()
