@@ -146,8 +146,8 @@ def test_epochs_within_a_tick_are_lost_and_told(imported, solved):
 
 
 def test_epochs_that_are_late_by_less_than_a_tick_resolves_are_solved_at_once(imported, solved):
-    """By a receiver's clock that drifts. An epoch that comes, and holds for a microsecond later, waits until then: it is
-    solved a tick late, or lost, for the next one has come."""
+    """By a receiver's clock that drifts. An epoch that came, and held for a microsecond later, waited until then: it
+    was solved a tick late, or lost, for the next one had come."""
     sky = Sky()
     times = 2.0 * np.arange(10) + 1e-6 * (np.arange(10) > 0)
     with pytest.warns(match=r"1 sample of 'solver\.signals' was lost"):  # two come in the first tick
