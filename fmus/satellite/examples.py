@@ -67,6 +67,14 @@ def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
+def attitude_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """The same flight and satellites, of which three are left from FAULT on."""
+    few = (time >= FAULT)[:, None] & (np.arange(PLACES) >= 3)
+    flight, signals = gps_inputs(time), signals_inputs(time)
+    truth = {name: flight[name] for name in ("latitude", "longitude", "altitude", "heading")}
+    return {**truth, **signals, "signals.tracked": signals["signals.tracked"] & ~few}
+
+
 def solver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
     """Errors of the position, and which satellites are used."""
     truth = gps_inputs(outputs["fix.time_of_validity"])
