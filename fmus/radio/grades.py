@@ -30,7 +30,8 @@ DME: dict[str, ParameterSet] = {
         {"precise": (True,) * 5},
     ),
     "annex_10": ParameterSet(
-        "ICAO Annex 10, volume I, 3.5.3.1.3.3: 370 m for the system, of which the receiver has 315 m.",
-        {"bias_sigma": 370.0, "receiver_share": float((315.0 / 370.0) ** 2)},
+        "ICAO Annex 10, volume I, 3.5.3.1.3.3: no more than 370 m of the system and 315 m of the receiver, which hold "
+        "on a 95 per cent basis (3.5.3.1.3.1) and are taken as two standard deviations.",
+        {"bias_sigma": 370.0 / 2.0, "receiver_share": float((315.0 / 370.0) ** 2)},
     ),
 }
