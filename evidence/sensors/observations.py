@@ -19,7 +19,8 @@ from evidence.section import Section, left_out
 from evidence.sensors.observed import FILES, KLOBUCHAR_OFF, TROPOSPHERE_OFF, errors, rms, velocities
 from navfmu import Fault, System
 from navfmu.files.writing import write_file
-from navfmu.recorded.observations.importer import Imported, import_observations
+from navfmu.recorded.observations.imported import Imported
+from navfmu.recorded.observations.importer import import_observations
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png, title
 from navfmu.report.page import Page

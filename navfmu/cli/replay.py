@@ -99,6 +99,7 @@ def _observations(file, nav, player, asked):
     from navfmu.recorded.observations.epochs import USUAL
     from navfmu.recorded.observations.importer import import_observations
     from navfmu.recorded.replay.asked import Asked
+    from navfmu.system import shipped
 
     if not nav:
         raise NavfmuError(f"{OBSERVATIONS} need orbits; expected --nav with a RINEX navigation file")
@@ -118,7 +119,8 @@ def _observations(file, nav, player, asked):
                 f"RINEX 3, as in --column pseudorange=C1W{nearest(name, USUAL)}"
             )
     names = {name: column for name, (column,) in asked.columns.items()}
-    return import_observations(file, nav, player, names, asked.start, asked.unchecked)
+    solver = shipped.path("gps_solver.fmu")
+    return import_observations(file, nav, player, names, asked.start, asked.unchecked, solver)
 
 
 def _read(file, sensor):

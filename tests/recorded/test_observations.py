@@ -164,6 +164,22 @@ def test_time_tags_of_utc_that_no_reader_sees_are_no_fix(imported, solved):
     assert not solved(found, tick=0.5)["solver.fix.valid"].any()
 
 
+def test_epochs_that_are_solved_show_tags_that_no_reader_sees(imported, tmp_path_factory):
+    """A second late at an epoch a second; nothing is refused of what is right, and of too few satellites for a test."""
+    sky, solver = Sky(), built.fmu("gps_solver", tmp_path_factory)
+    times, nav = np.arange(0.0, 8.0), sky.navigation()
+    told = imported(sky.observations(times), nav, solver=solver).sentences()
+    assert "of 8 epochs that were solved 8 give a fix" in told
+    late = sky.observations(times, tags=1.0)
+    with pytest.raises(NavfmuError, match="none of 8 epochs that were solved agrees with itself"):
+        imported(late, nav, solver=solver)
+    taken = imported(late, nav, solver=solver, unchecked=True).sentences()
+    assert sum(sentence.startswith("not plausible, and taken: none of 8 epochs") for sentence in taken) == 1
+    over = [k for k in range(32) if sky.high(k, 0.0)]
+    few = sky.observations(times, tags=1.0, left_out=lambda k, time: k not in over[:5])
+    assert not any("solved" in sentence for sentence in imported(few, nav, solver=solver).sentences())
+
+
 def test_an_fmu_of_observations_is_one_as_others(imported, tmp_path):
     sky = Sky()
     fmu = imported(sky.observations(EPOCHS), sky.navigation()).write(tmp_path / "seen.fmu")

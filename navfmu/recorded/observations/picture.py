@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.files.writing import replacing
-from navfmu.recorded.observations.importer import Imported
+from navfmu.recorded.observations.imported import Imported
 
 
 def draw(imported: Imported, path: str | Path) -> None:
