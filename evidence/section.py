@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
@@ -26,3 +28,15 @@ def left_out(heading: str, reason: str) -> Section:
         page.text(f"Left out: {reason}.")
 
     return Section((), write, reason)
+
+
+def recorded(*needed: str, under: str = "") -> tuple[Path, str]:
+    """The folder ``under`` that which NAVFMU_DATA names, and why nothing can be measured with it, "" if it can.
+
+    ``needed`` are its files, of which a pattern stands for one at least.
+    """
+    if not (named := os.environ.get("NAVFMU_DATA")):
+        return Path(), "the environment variable NAVFMU_DATA does not name a folder with recordings"
+    folder = Path(named) / under
+    missing = next((pattern for pattern in needed if not any(folder.glob(pattern))), None)
+    return folder, f"{folder} has no {missing}" if missing else ""

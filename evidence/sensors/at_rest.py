@@ -8,7 +8,6 @@ are not part of the project.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
 from evidence.sensors.rest import COLUMNS, Rest
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
@@ -37,13 +36,10 @@ TRIADS = (("gyros", slice(0, 3), "rad/s"), ("accelerometers", slice(3, 6), "m/s2
 
 def run(out: Path) -> Section:
     """Find the quiet stretches, make the models, let them lie as long."""
-    folder = os.environ.get("NAVFMU_DATA")
-    if not folder:
-        return left_out(HEADING, "the environment variable NAVFMU_DATA does not name a folder with recorded sensors")
-    found = {name: sorted((Path(folder) / "sensors").glob(pattern)) for name, pattern in UNITS.items()}
-    for name, files in found.items():
-        if not files:
-            return left_out(HEADING, f"{folder}/sensors has no {UNITS[name]}")
+    folder, lacking = recorded(*UNITS.values(), under="sensors")
+    if lacking:
+        return left_out(HEADING, lacking)
+    found = {name: sorted(folder.glob(pattern)) for name, pattern in UNITS.items()}
     units = {
         name: Unit(Rest.of(name, [pd.read_parquet(file) for file in files], ROCKING.get(name, 0.0)))
         for name, files in found.items()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
 from evidence.sensors.observed import FILES, Station, errors, rms, velocities
 from evidence.sensors.simulated import Simulated
 from models.satellite import signal_power, tracking
@@ -27,12 +26,9 @@ BANDS = np.array([10.0, 20.0, 30.0, 45.0, 60.0, 90.0])
 
 def run(out: Path) -> Section:
     """Measure, solve, compare and draw."""
-    folder = os.environ.get("NAVFMU_DATA")
-    if not folder:
-        return left_out(HEADING, "the environment variable NAVFMU_DATA does not name a folder with observations")
-    gnss = Path(folder) / "gnss"
-    if missing := [name for name in FILES if not (gnss / name).is_file()]:
-        return left_out(HEADING, f"{gnss} has no {missing[0]}")
+    gnss, lacking = recorded(*FILES, under="gnss")
+    if lacking:
+        return left_out(HEADING, lacking)
     both = Both(Solved(Station(gnss)), [Solved(Simulated(gnss, seed)) for seed in SEEDS])
     write_file(out / "sensors" / "gps_signals.png", picture(both))
     return section(both)

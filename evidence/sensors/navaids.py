@@ -6,7 +6,6 @@ recorded flights, and the ``flights/``. They are not part of the project.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 import pandas as pd
 from pymap3d import vincenty
 
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
 from navfmu.constants import FOOT, NAUTICAL_MILE, RADIO_EARTH_RADIUS
 from navfmu.files.writing import write_file
 from navfmu.navaids import file as station_file
@@ -49,9 +48,10 @@ DIFFERENT = 0.5
 
 def run(out: Path) -> Section:
     """Measure, and draw the picture."""
-    if "NAVFMU_DATA" not in os.environ:
-        return left_out(HEADING, "NAVFMU_DATA does not name a folder with dme_stations.csv and flights/")
-    found = Found.measured(Path(os.environ["NAVFMU_DATA"]))
+    folder, lacking = recorded("dme_stations.csv", "flights/*.csv")
+    if lacking:
+        return left_out(HEADING, lacking)
+    found = Found.measured(folder)
     write_file(out / "sensors" / "navaids.png", picture(found))
     return section(found)
 

@@ -8,7 +8,6 @@ They are not part of the project.
 from __future__ import annotations
 
 import itertools
-import os
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -20,7 +19,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
 from navfmu import System
 from navfmu.errors import NavfmuWarning
 from navfmu.files.writing import write_file
@@ -117,12 +116,9 @@ def lost_by_counting(time: np.ndarray, tick: float) -> int:
 
 def run(out: Path) -> Section:
     """Play all files, count what is lost, and let the attitude filter fly on one of them."""
-    data = os.environ.get("NAVFMU_DATA")
-    if not data:
-        return left_out(HEADING, "the environment variable NAVFMU_DATA does not name a folder with recorded sensors")
-    flights = Path(data) / "sensors" / "flights"
-    if missing := next((f for f, _ in STREAMS if not (flights / f).is_dir()), None):
-        return left_out(HEADING, f"{flights} has no {missing}")
+    flights, lacking = recorded(*(flight for flight, _ in STREAMS), under="sensors/flights")
+    if lacking:
+        return left_out(HEADING, lacking)
     with tempfile.TemporaryDirectory(prefix="navfmu-") as folder:
         played = [
             _play(flights / flight / f"{file}.parquet", asked, folder) for (flight, file), asked in STREAMS.items()

@@ -9,7 +9,6 @@ project.
 from __future__ import annotations
 
 import gzip
-import os
 import re
 from dataclasses import dataclass
 from datetime import date
@@ -18,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
 from models.earth import earth
 from models.satellite import orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import Ephemeris
@@ -42,11 +41,9 @@ LONGITUDES, STEP = np.radians(30.0 * np.arange(12)), 600.0
 
 def run(out: Path) -> Section:
     """Calculate, compare, and draw the picture."""
-    if "NAVFMU_DATA" not in os.environ:
-        return left_out(HEADING, "NAVFMU_DATA does not name a folder with gnss/")
-    folder = Path(os.environ["NAVFMU_DATA"]) / "gnss"
-    if not (folder / "esbc1770_sats.csv").exists():
-        return left_out(HEADING, f"{folder} has no esbc1770_sats.csv")
+    folder, lacking = recorded("esbc1770_sats.csv", under="gnss")
+    if lacking:
+        return left_out(HEADING, lacking)
     found = Found.measured(folder)
     write_file(out / "sensors" / "satellites.png", picture(found))
     return section(found)
