@@ -1,27 +1,27 @@
 """Recorded flights as the truth, with the real DME stations around them.
 
 The environment variable NAVFMU_DATA names a folder with ``flights/NAME.csv`` (as ``navfmu track`` reads them) and
-``dme_stations.csv`` (region, row_type, ident, latitude_deg, longitude_deg, elevation_ft, frequency_mhz, range_nmi,
-bias_nmi, name; the region is the name of a flight). None of this data is part of the project. All flights that are
-there are flown, and the first once more far in the north, where the magnetic field is steep.
+``dme_stations.csv`` (as ``navfmu stations`` reads it, which chooses the same stations). None of this data is part of
+the project. All flights that are there are flown, and the first once more far in the north, where the magnetic field is
+steep.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from evidence.recorded import picture
 from evidence.recorded.figures import GONE, LIMIT, SETTLED, Angle, Position, angles, position
 from evidence.recorded.flight import LOST, SEEDS, VARIANTS, Flown, dip, fly, moved
-from evidence.section import Section, left_out
+from evidence.section import Section, left_out, recorded
+from navfmu.constants import NAUTICAL_MILE
 from navfmu.files.writing import write_file
+from navfmu.navaids import file as station_file
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
 from navfmu.terminal.progress import Progress
@@ -63,25 +63,20 @@ EXPLAINED = (
 
 def run(out: Path) -> Section:
     """Import, choose stations, fly; the tables and the picture are also written as OUT/recorded_flights.md and .png."""
-    folder = os.environ.get("NAVFMU_DATA")
-    if not folder:
-        return left_out(HEADING, "the environment variable NAVFMU_DATA does not name a folder with recorded flights")
-    stations = Path(folder) / "dme_stations.csv"
-    if not stations.is_file():
-        return left_out(HEADING, f"there is no file {stations}")
-    files = {file.stem: file for file in sorted((Path(folder) / "flights").glob("*.csv"))}
-    if not files:
-        return left_out(HEADING, f"there is no file {Path(folder) / 'flights' / '*.csv'}")
+    folder, lacking = recorded("dme_stations.csv", "flights/*.csv")
+    if lacking:
+        return left_out(HEADING, lacking)
+    files = {file.stem: file for file in sorted((folder / "flights").glob("*.csv"))}
     first = next(iter(files))
     files[f"{first}_in_the_north"] = moved(files[first], NORTH, out / "moved.csv")
-    table = pd.read_csv(stations)
+    stations = station_file.read(folder / "dme_stations.csv").stations
     each = 1 + SEEDS
     with Progress("real flights") as progress:
         flown = [
             fly(
                 name,
                 file,
-                table,
+                stations,
                 out / name,
                 lambda done, note, n=n: progress(n * each + done, len(files) * each, note),
             )
@@ -187,8 +182,8 @@ class Judged:
         page.table(
             ["station", "name", "range, nmi", "usable, % of the flight"],
             [
-                [s.ident, s.name, f"{s.range:.0f}", f"{100 * share:.0f}"]
-                for s, share in flown.usable.shares(flown.chosen)
+                [s.ident, s.name, f"{s.range / NAUTICAL_MILE:.0f}", f"{100 * share:.0f}"]
+                for s, share in zip(flown.chosen.stations, flown.chosen.share, strict=True)
             ],
         )
         page.picture(picture.of_flight(flown), f"{flown.title}: track, usable stations, HDOP and error")

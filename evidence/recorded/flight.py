@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +12,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evidence.recorded.stations import Usable
-from fmus.radio.stations import StationSet
 from models.magnetic import magnetic_field
 from navfmu.faults import Fault
+from navfmu.files.writing import write_file
+from navfmu.navaids import parameters
+from navfmu.navaids.choice import choose
+from navfmu.navaids.coverage import Coverage, Points
+from navfmu.navaids.station import Station
 from navfmu.recorded.archive import write_fmu
 from navfmu.recorded.importer import Imported, import_track
 from navfmu.system import shipped
@@ -50,8 +53,10 @@ class Flown:
     name: str
     imported: Imported
     track: dict[str, np.ndarray]
-    usable: Usable
-    chosen: list[int]
+    heard: Coverage
+    """By all stations of the file."""
+    chosen: Coverage
+    """By those that the navigator has."""
     runs: dict[str, list[pd.DataFrame]]
 
     @property
@@ -66,7 +71,7 @@ class Flown:
     @property
     def has_stations(self) -> bool:
         """Whether there are any ranges to navigate with."""
-        return bool(self.chosen)
+        return bool(self.chosen.stations)
 
 
 def seeds(name: str) -> range:
@@ -76,8 +81,8 @@ def seeds(name: str) -> range:
     return range(first, first + SEEDS)
 
 
-def fly(name: str, file: Path, stations: pd.DataFrame, out: Path, progress: Callable[[int, str], None]) -> Flown:
-    """Import a recording, choose its stations from a table, and fly; ``progress`` is told of each seed."""
+def fly(name: str, file: Path, stations: Sequence[Station], out: Path, progress: Callable[[int, str], None]) -> Flown:
+    """Import a recording, choose its stations, and fly; ``progress`` is told of each seed."""
     progress(0, f"importing {name}")
     out.mkdir(parents=True, exist_ok=True)
     imported = import_track(file)
@@ -85,9 +90,9 @@ def fly(name: str, file: Path, stations: pd.DataFrame, out: Path, progress: Call
         (out / fmu.name).write_bytes(fmu.read_bytes())
     write_fmu(imported, shipped.path("track.fmu"), out / f"{name}.fmu", name)
     track = _truth(out / f"{name}.fmu")
-    usable = Usable(track, stations[stations["region"] == name])
-    chosen = usable.choose()
-    system = _system(name, out, StationSet(f"around {name}", tuple(usable.stations[i] for i in chosen)), track)
+    points = Points(track["latitude"], track["longitude"], track["altitude"], time=track["time"])
+    chosen = choose(stations, points, parameters.places(shipped.path("dme.fmu")))
+    system = _system(name, out, chosen, track)
     variants = VARIANTS if chosen else dict(list(VARIANTS.items())[:1])
     loaded = {variant: System.load(system, None if variant == "main" else variant) for variant in variants}
     stop = float(np.floor(track["time"][-1]))
@@ -105,7 +110,8 @@ def fly(name: str, file: Path, stations: pd.DataFrame, out: Path, progress: Call
             flown.append(runs)
             progress(done, f"flying {name}")
     by_variant = dict(zip(loaded, map(list, zip(*flown, strict=True)), strict=True))
-    return Flown(name, imported, track, usable, chosen, by_variant)
+    heard, by_chosen = Coverage.of(stations, points), Coverage.of(chosen, points)
+    return Flown(name, imported, track, heard, by_chosen, by_variant)
 
 
 def moved(file: Path, latitude: float, out: Path) -> Path:
@@ -147,11 +153,12 @@ def _truth(fmu: Path) -> dict[str, np.ndarray]:
     return {"time": run.index.to_numpy()} | {name: run[f"{component}.{name}"].to_numpy() for name in names}
 
 
-def _system(name: str, fmus: Path, stations: StationSet, track: dict[str, np.ndarray]) -> Path:
+def _system(name: str, fmus: Path, stations: Sequence[Station], track: dict[str, np.ndarray]) -> Path:
     system = source(fmus, aircraft=f"{name}.fmu", name=name)
-    if stations.stations:  # else those of the shipped system, which are out of reach
-        system.parameters("dme", {**stations.parameters(), **stations.ranges()})
-        system.parameters("navigator", stations.parameters())
+    for who in ("dme", "navigator") if stations else ():  # else those of the shipped system, which are out of reach
+        file = fmus / f"{who}.ssv"
+        write_file(file, parameters.document(stations, fmus / f"{who}.fmu", f"Stations around {name}"))
+        system.parameters(who, file)
     cruise = float(np.median(track["true_airspeed"]))
     system.parameters("aircraft", {"wing_loading": USUAL_LIFT * 0.5 * DENSITY * cruise**2})
     system.parameters("magnetometer", {"date": DATE})

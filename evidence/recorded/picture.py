@@ -13,29 +13,28 @@ from navfmu.report.figure import COLOURS, GREY, figure, png
 
 def of_flight(flown: Flown) -> bytes:
     """Track and stations, how many can be used, their geometry, and the error of every variant."""
-    track, usable, chosen = flown.track, flown.usable, flown.chosen
+    track, chosen = flown.track, flown.chosen
     minutes = track["time"] / 60.0
     with figure(2, 2, size=(12.0, 8.0)) as (drawing, ((where, count), (dilution, error))):
         where.plot(np.degrees(track["longitude"]), np.degrees(track["latitude"]), color=COLOURS[0], lw=1, label="track")
-        for i in chosen:
-            station = usable.stations[i]
-            where.plot(station.longitude, station.latitude, "^", color=COLOURS[1])
-            where.annotate(station.ident, (station.longitude, station.latitude), xytext=(4, 4),
-                           textcoords="offset points")  # fmt: skip
+        for station in chosen.stations:
+            place = np.degrees([station.longitude, station.latitude])
+            where.plot(*place, "^", color=COLOURS[1])
+            where.annotate(station.ident, place, xytext=(4, 4), textcoords="offset points")
         where.set_aspect(1.0 / np.cos(np.mean(track["latitude"])))
         where.set_title(f"{flown.title}: the flight and its DME stations")
         where.set_xlabel("longitude, deg")
         where.set_ylabel("latitude, deg")
         where.legend()
 
-        count.step(minutes, usable.inside.sum(axis=0), color=GREY, label="in reach")
-        count.step(minutes, usable.inside[chosen].sum(axis=0), color=COLOURS[0], label="of those chosen")
+        count.step(minutes, flown.heard.count, color=GREY, label="in reach")
+        count.step(minutes, chosen.count, color=COLOURS[0], label="of those chosen")
         count.set_title("Usable stations")
         count.set_xlabel("time, min")
         count.set_ylabel("number")
         count.legend()
 
-        dilution.plot(minutes, np.minimum(usable.hdop(chosen), 10.0), color=COLOURS[0])
+        dilution.plot(minutes, np.minimum(chosen.hdop, 10.0), color=COLOURS[0])
         dilution.set_title("Geometry: HDOP of the usable chosen stations (cut at 10)")
         dilution.set_xlabel("time, min")
         dilution.set_ylabel("HDOP")

@@ -21,6 +21,7 @@ from evidence.recorded import figures
 from evidence.recorded.flight import VARIANTS, Flown, moved
 from evidence.section import Section
 from navfmu.fmi.fmu import describe
+from navfmu.navaids.coverage import Coverage
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
 from tests.foreign.habits import lag, replaced
@@ -187,7 +188,8 @@ def flown(
     run = pd.DataFrame(columns, index=time)
     where = {"latitude": latitude, "longitude": longitude, "altitude": 3000.0}
     track = {"time": time} | {name: value + 0.0 * time for name, value in where.items()}
-    return Flown("made", None, track, None, list(stations), {variant: [run] * 3 for variant in VARIANTS})
+    nothing = Coverage(stations, None, *(np.zeros(0),) * 3)
+    return Flown("made", None, track, nothing, nothing, {variant: [run] * 3 for variant in VARIANTS})
 
 
 def test_recorded_flights_say_whether_the_filters_know_their_error():
