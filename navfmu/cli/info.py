@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from navfmu.system.system import System
 
 
-_ELEMENT = re.compile(r"\[\d+\]$")
+_ELEMENT = re.compile(r"\[\d+(,\d+)*\]$")
 
 
 @click.command("info")
@@ -121,18 +122,25 @@ def _variables(variables: list[Variable], about: Description, title: str) -> Tab
         )
         for v in variables
     ]
-    return Table(columns, [[_elements(names), *rest] for names, rest in _alike(shown)], title)
+    return Table(columns, [[name, *rest] for name, rest in _alike(shown)], title)
 
 
-def _alike(rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[list[str], list[str]]]:
-    """Names of rows one after the other that differ in the last index of their names alone, and what else they say."""
+def _alike(rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[str, list[str]]]:
+    """Names of rows one after the other that are elements of one array, and what else they say."""
     for (_, *rest), group in itertools.groupby(rows, key=lambda row: (_ELEMENT.sub("[]", row[0]), *row[1:])):
-        yield [row[0] for row in group], rest
+        for name in _elements([row[0] for row in group]):
+            yield name, rest
 
 
-def _elements(names: Sequence[str]) -> str:
-    """Names of elements as one: rate[1..3]."""
-    return names[0] if len(names) == 1 else f"{names[0][:-1]}..{_ELEMENT.search(names[-1])[0][1:]}"
+def _elements(elements: Sequence[str]) -> Iterator[str]:
+    """Names of elements in their order as one, rate[1..3] or matrix[1..2,1..3]; each where some between are missing."""
+    indices = [names.subscript(element) for element in elements]
+    ends = list(zip(map(min, zip(*indices, strict=True)), map(max, zip(*indices, strict=True)), strict=True))
+    if len(elements) == 1 or math.prod(last - first + 1 for first, last in ends) != len(elements):
+        yield from elements
+    else:
+        between = (str(first) if first == last else f"{first}..{last}" for first, last in ends)
+        yield f"{names.array(elements[0])}[{','.join(between)}]"
 
 
 def _start(variable: Variable, about: Description) -> str:
@@ -238,4 +246,4 @@ def _show_free_inputs(out: Console, system: System) -> None:
     if others:
         about = " (a fault of type 'input' can drive them, too)"
         say(out, Text.assemble(("other unconnected inputs", "bold"), about))
-        say(out, ", ".join(others), indent=2)
+        say(out, ", ".join(names.folded(others)), indent=2)

@@ -79,6 +79,8 @@ def test_info_tells_elements_of_an_array_that_are_alike_once(tmp_path_factory):
     assert "reading.rate[1..3] " in out and "reading.rate[2]" not in out
     assert "reading.specific_force[1..2] " in out and "reading.specific_force[3] " in out  # which starts at -g
     assert "20 outputs" in out
+    out = navfmu("info", built.fmu("gps_solver", tmp_path_factory))  # 144 lines for two matrices
+    assert "signals.satellite_e[1..24,1..3] " in out and "signals.satellite_e[1,1]" not in out
 
 
 def test_info_tells_what_can_be_failed(tmp_path):
