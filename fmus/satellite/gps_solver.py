@@ -165,10 +165,10 @@ class GpsSolver(Component):
     @on_new("signals")
     def solve(self):
         s = self.signals
-        told = np.isfinite(s.pseudorange + s.satellite_clock + np.sum(s.satellite_e, axis=1))
+        clean = s.pseudorange + SPEED_OF_LIGHT * s.satellite_clock + np.where(s.corrected, s.correction, 0.0)
+        told = np.isfinite(clean + np.sum(s.satellite_e, axis=1))
         tracked = s.tracked & told & (s.signal_to_noise >= self.signal_mask) & s.valid
         satellite_e = np.where(tracked[:, None], s.satellite_e, np.array([4.0 * earth.EQUATORIAL_RADIUS, 0.0, 0.0]))
-        clean = s.pseudorange + SPEED_OF_LIGHT * s.satellite_clock + np.where(s.corrected, s.correction, 0.0)
         height = np.array([np.where(self.altitude.valid, self.altitude.height, 0.0)])
 
         # near enough for delays and elevations

@@ -92,10 +92,14 @@ def velocity(unit_e, position_e, satellite_velocity_e, range_rate, h, weight, ro
 
     ``h`` and ``weight`` are those of the position; what has a weight counts as much as any other, for orbits and
     atmosphere do not spoil rates. Where an altitude takes the place of a satellite, level flight does so here; with
-    four satellites it says nothing of a velocity. The rates of the distances depend on the velocity by a product, but
-    for 1 part in 1e5: two steps.
+    four satellites it says nothing of a velocity. A satellite whose rate is no number has none here; where the others
+    do not tell it, the velocity is no number either. The rates of the distances depend on the velocity by a product,
+    but for 1 part in 1e5: two steps.
     """
-    weight = np.where(weight > 0.0, 1.0, 0.0)
+    told = np.isfinite(range_rate + np.sum(satellite_velocity_e, axis=1))
+    range_rate = np.where(told, range_rate, 0.0)
+    satellite_velocity_e = np.where(told[:, None], satellite_velocity_e, 0.0)
+    weight = np.where((weight > 0.0) & np.concatenate([told, np.array([True])]), 1.0, 0.0)
     enough = np.sum(weight[:-1]) > 3.5
     weight = np.concatenate([weight[:-1], np.array([np.where(enough, 0.0, weight[-1])])])
     p = covariance(h, weight)
@@ -104,4 +108,5 @@ def velocity(unit_e, position_e, satellite_velocity_e, range_rate, h, weight, ro
         left = range_rate - sight.range_rates(unit_e, position_e, velocity_n @ rotation, satellite_velocity_e) - drift
         moved = estimate(p, h, weight, np.concatenate([left, np.array([velocity_n[2]])]))
         velocity_n, drift = velocity_n + moved[:3], drift + moved[3]
-    return velocity_n, drift
+    solvable = p[3, 3] > 0.0
+    return np.where(solvable, velocity_n, np.nan), np.where(solvable, drift, np.nan)

@@ -231,6 +231,26 @@ def test_what_is_low_weak_or_no_number_is_not_used(solver):
     assert 4 <= high["satellites"] < 16
 
 
+@pytest.mark.parametrize("name", ["range_rate", "satellite_velocity_e", "satellite_clock_rate"])
+def test_a_rate_that_is_no_number_spoils_no_fix(solver, name):
+    """Receivers measure ranges without a Doppler. A whole fix was lost by one of them; where fewer than four rates are
+    left there is no velocity, and none is made up."""
+    place = Place(velocity_n=(200.0, -100.0, 3.0))
+    made = signals(place, 7)
+    made[f"signals.{name}"][2] = np.nan
+    found = solve(solver, made)
+    assert found["satellites"] == 7 and error(found, place) < 1e-3
+    np.testing.assert_allclose(found["fix.velocity_n"], place.velocity_n, atol=1e-3)
+    made[f"signals.{name}"][3:6] = np.nan
+    assert not solve(solver, made)["fix.valid"]
+
+
+def test_a_correction_that_is_no_number_spoils_no_fix(solver):
+    made = signals(Place(), 7, corrected=np.ones(7), correction=np.where(np.arange(7) == 2, np.nan, 0.0))
+    found = solve(solver, made)
+    assert found["satellites"] == 6 and error(found, Place()) < 1e-3
+
+
 def test_geometry_that_is_too_poor_is_no_fix(solver):
     found = solve(solver, signals(Place(), 8), pdop_limit=1.05)
     assert not found["fix.valid"]
