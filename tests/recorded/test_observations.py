@@ -272,13 +272,22 @@ def test_what_is_not_plausible_is_taken_and_told(imported):
     assert any(sentence.startswith("not plausible, and taken: epochs are") for sentence in found.sentences())
 
 
+def test_a_receiver_that_tells_no_strength_is_solved_as_another(imported, solved):
+    """Files of version 2 often have none; nothing but the mask of the solver, which is off, asks for it."""
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS[:4]).replace("S1C", "S5X"), sky.navigation())
+    assert "there is no S1C: C/N0 is told as 0 dB-Hz" in found.sentences()
+    np.testing.assert_allclose(east_north_up(sky, solved(found)), 0.0, atol=5e-3)
+
+
 def test_files_that_are_cut_off_or_others(imported):
     sky = Sky()
     seen, sent = sky.observations(EPOCHS[:2]), sky.navigation()
     for observations, navigation, words in (
         (seen[: -len(seen) // 4], sent, "cut off"),
         (seen, made.yuma(1, 2, week=2111), "is a YUMA almanac, whose satellites are off by a kilometre"),
-        (seen.replace("D1C", "D2C"), sent, "has no 'D1C'"),
+        (seen.replace("D1C", "D2C"), sent, "has no 'D1C' of which range_rate .* begins with D1: it has none"),
+        (seen.replace("C1C", "C1W"), sent, "it has C1W, which --column pseudorange=C1W takes"),
         (sent, sent, "expected a RINEX observation file"),
     ):
         with pytest.raises(NavfmuError, match=words):

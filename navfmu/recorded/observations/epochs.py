@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfmu.constants import WAVELENGTH
-from navfmu.errors import NavfmuError, nearest
+from navfmu.errors import NavfmuError
 from navfmu.satellite.calendar import WEEK
 from navfmu.satellite.observations import Observations
 from navfmu.satellite.orbits import Orbits, moment
 
 USUAL = {"pseudorange": "C1C", "range_rate": "D1C", "signal_to_noise": "S1C"}
 """Quantities, and the names of observations that they are taken from."""
+SIGNAL = "signal_to_noise"
+"""What a file may do without: old receivers do not write it, and it is 0 then."""
 KINDS = {"pseudorange": "C", "range_rate": "D", "signal_to_noise": "S"}
 """What their names begin with; the 1 of L1 follows."""
 
@@ -31,6 +33,7 @@ class Epochs:
     pseudorange, range_rate, signal_to_noise : (n, places) m, m/s, dB-Hz
     before : epochs before t = 0, which are left out
     lacking : pseudoranges without a Doppler, which are left out
+    weak : whether there is no C/N0, which is 0 then
     """
 
     time: np.ndarray
@@ -42,6 +45,7 @@ class Epochs:
     signal_to_noise: np.ndarray
     before: int
     lacking: int
+    weak: bool = False
 
     def __len__(self) -> int:
         return len(self.time)
@@ -67,7 +71,10 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
     names : names of observations for some of USUAL
     start : second of the first epoch's week that is t = 0; without it the first epoch is
     """
-    code, doppler, strength = (_named(found, what, names.get(what, usual)) for what, usual in USUAL.items())
+    weak = SIGNAL not in names and USUAL[SIGNAL] not in found.values
+    kinds = [what for what in USUAL if what != SIGNAL or not weak]
+    code, doppler, *strengths = (_named(found, what, names.get(what, USUAL[what])) for what in kinds)
+    strength = np.zeros_like(code) if weak else strengths[0]
     begin = float(found.second[0]) if start is None else start
     if abs(found.second[0] - begin) > WEEK:
         raise NavfmuError(
@@ -99,6 +106,7 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
         at_places(strength),
         int(rows[0]),
         int(np.count_nonzero(np.isfinite(code) & ~complete)),
+        weak,
     )
 
 
@@ -120,14 +128,14 @@ def held(epochs: Epochs, orbits: Orbits, unhealthy: bool = False) -> np.ndarray:
 
 
 def _named(found: Observations, what: str, name: str) -> np.ndarray:
-    if name[:1] != KINDS[what] or name[1:2] != "1":
-        known = [known for known in found.values if known[:2] == f"{KINDS[what]}1"]
-        have = ", ".join(known) or "none"
-        raise NavfmuError(
-            f"{what} is taken from '{name}'; expected a name that begins with {KINDS[what]}1, an observation on L1; "
-            f"{found.source} has {have}{nearest(name, known)}"
-        )
-    return found.named(name)
+    if name[:1] == KINDS[what] and name[1:2] == "1" and name in found.values:
+        return found.named(name)
+    known = [known for known in found.values if known[:2] == f"{KINDS[what]}1"]
+    have = f"it has {', '.join(known)}, which --column {what}={known[0]} takes" if known else "it has none"
+    raise NavfmuError(
+        f"{found.source}: has no '{name}' of which {what} could be taken; expected an observation on L1, whose name "
+        f"begins with {KINDS[what]}1: {have}"
+    )
 
 
 def _placed(complete: np.ndarray, places: int, found: Observations, rows: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from navfmu.fmi import tables
 from navfmu.fmi.fmu import describe
 from navfmu.fmi.values import expand
 from navfmu.recorded.archive import DESCRIPTION, described
-from navfmu.recorded.observations.epochs import Epochs
+from navfmu.recorded.observations.epochs import SIGNAL, USUAL, Epochs
 from navfmu.recorded.page import recorded
 from navfmu.recorded.replay.account import lost
 from navfmu.satellite.calendar import WEEK
@@ -58,6 +58,8 @@ class Imported:
             yield f"{epochs.before} epoch(s) before t = 0 are left out"
         if epochs.lacking:
             yield f"{epochs.lacking} pseudorange(s) without a Doppler are left out"
+        if epochs.weak:
+            yield f"there is no {USUAL[SIGNAL]}: C/N0 is told as 0 dB-Hz"
         gone = seen & ~self.good
         if gone.any():
             which = np.unique(epochs.number[gone]).astype(int)
