@@ -226,5 +226,5 @@ def picture(found: Found) -> bytes:
         dilutions(drawing, maps[2], sides, layers[1][2])
         maps[2].set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
         maps[2].set_title(f"HDOP at {layers[1][0] / FOOT:.0f} ft, {found.drawn}", fontsize=9)
-        drawing.subplots_adjust(wspace=0.3, hspace=0.3)
+        drawing.subplots_adjust(wspace=0.42, hspace=0.3)
         return png(drawing)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import navpy
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from models.radio import dme
 from navfmu.constants import FOOT, NAUTICAL_MILE, RADIO_EARTH_RADIUS
+from navfmu.navaids import picture
 from navfmu.navaids.choice import choose
 from navfmu.navaids.coverage import Coverage, Points
 from navfmu.navaids.sight import ANTENNA, Sight, dilution, horizon, sight
@@ -130,6 +132,37 @@ def test_points_are_looked_at_in_parts_as_together(monkeypatch):
 def test_a_map_shows_a_station_where_the_grid_has_it():
     one = at(30.0, 20e3)
     np.testing.assert_allclose(plane(one, *MIDDLE), [10e3, 17.32e3], rtol=1e-3)
+
+
+@pytest.fixture
+def axes(monkeypatch):
+    """Axes of the pictures that are drawn."""
+    kept = []
+    monkeypatch.setattr(picture, "png", lambda drawing, **_: kept.extend(drawing.axes))
+    return kept
+
+
+def test_a_picture_shows_small_dilutions(axes):
+    """Of 36 stations it is 1 / 3. Wrong: a scale that begins at one half, and an empty panel."""
+    coverage = Coverage.of([at(10.0 * i, 30e3) for i in range(36)], replace(middle(), time=np.zeros(1)))
+    assert coverage.hdop == pytest.approx(1.0 / 3.0, rel=1e-3)
+    picture.draw(coverage, "many")
+    hdop = next(axis for axis in axes if "HDOP" in axis.get_ylabel())
+    assert hdop.get_ylim()[0] < coverage.hdop < hdop.get_ylim()[1]
+
+
+def test_a_track_across_the_date_line_is_drawn_in_one_piece(axes):
+    """From 179 to 181 degrees, with a station at 180.5. Wrong: a course around the Earth; times of two axes."""
+    lon = np.radians(np.linspace(179.0, 181.0, 21))
+    track = Points(np.full(21, 0.3), (lon + np.pi) % (2.0 * np.pi) - np.pi, np.full(21, 3e3), time=60.0 * np.arange(21))
+    one = replace(at(0.0, 1e4), latitude=0.3, longitude=np.radians(-179.5), range=60e3)
+    picture.draw(Coverage.of([one], track), "date line")
+    course, (count, hdop) = axes[0], (axis for axis in axes if axis.get_xlabel() == "time, min")
+    drawn = [line.get_xdata() for line in course.lines]
+    np.testing.assert_allclose(drawn[0], np.degrees(lon))
+    np.testing.assert_allclose(drawn[1], 180.5)
+    assert np.ptp(course.get_xlim()) < 3.0
+    assert hdop.get_xlim() == count.get_xlim()
 
 
 def test_share_and_parts_count_points():
