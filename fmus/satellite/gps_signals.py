@@ -180,6 +180,15 @@ class GpsSignals(Jamming, Component):
     def search_after_measurement(self):
         return self.search_period >= self.measurement_period
 
+    @require(
+        "of the table orbits none holds in week {start_week}, {start_seconds} s of it: expected start_week and "
+        "start_seconds of a time for which it was made"
+    )
+    def orbits_hold_at_the_start(self):
+        at = gps_time.normal(self.start_week, self.start_seconds)
+        prn = np.arange(1.0, SATELLITES + 1.0)
+        return np.any(selection.holds(self._told(prn, *at), prn, *at))
+
     @start
     def begin(self, noise):
         normal = noise(2 * PLACES + 2)
@@ -328,10 +337,13 @@ class GpsSignals(Jamming, Component):
 
     def _orbits(self, number, week, second):
         """What the satellites say of their orbits, and whether it may be used."""
+        orbit = self._told(number, week, second)
+        return orbit, selection.usable(orbit, number, week, second)
+
+    def _told(self, number, week, second):
         around = self.orbits.around(place=selection.place(number, week, second))
         found = Ephemeris.of(around.row), Ephemeris.of(around.next_row)
-        orbit = selection.nearest(*found, number, week, second)
-        return orbit, selection.usable(orbit, number, week, second)
+        return selection.nearest(*found, number, week, second)
 
     def _gain(self, unit_n, c_nb):
         azimuth, elevation = antenna.direction(unit_n, c_nb)

@@ -39,10 +39,15 @@ def known(ephemeris, prn, week, second, future=True):
     return (ephemeris.prn == prn) & np.logical_or(sent, future)
 
 
-def usable(ephemeris, prn, week, second, future=True):
-    """Whether it is known, within its limit of t_oe, and the satellite calls itself healthy."""
+def holds(ephemeris, prn, week, second, future=True):
+    """Whether it is known, and within its limit of t_oe."""
     near = np.abs(elapsed(week, second, ephemeris.toe_week, ephemeris.toe)) <= ephemeris.limit
-    return known(ephemeris, prn, week, second, future) & near & (ephemeris.health == 0.0)
+    return known(ephemeris, prn, week, second, future) & near
+
+
+def usable(ephemeris, prn, week, second, future=True):
+    """Whether it holds, and the satellite calls itself healthy."""
+    return holds(ephemeris, prn, week, second, future) & (ephemeris.health == 0.0)
 
 
 def _distance(ephemeris, prn, week, second, future):

@@ -103,10 +103,10 @@ class Orbits:
         """What there is to say, for the user."""
         prn = np.unique(self.column("prn")).astype(int)
         at = self.column("toe_week") * WEEK + self.column("toe")
-        span = [moment(at.min()), moment(at.max())]
-        told = [
-            f"{self.kind}: {len(self.rows)} orbit(s) of {len(prn)} satellite(s), {' to '.join(dict.fromkeys(span))}"
-        ]
+        ends = [at.min(), at.max()]
+        dates = " to ".join(dict.fromkeys(map(moment, ends)))
+        weeks = " to ".join(dict.fromkeys("week {:.0f}, {:.0f} s".format(*divmod(end, WEEK)) for end in ends))
+        told = [f"{self.kind}: {len(self.rows)} orbit(s) of {len(prn)} satellite(s), {dates}, in GPS time {weeks}"]
         if gone := sorted(set(range(1, SATELLITES + 1)) - set(prn.tolist())):
             told.append(f"satellites that are not in the file: {', '.join(map(str, gone))}")
         if ill := np.unique(self.column("prn")[self.column("health") != 0]).astype(int).tolist():

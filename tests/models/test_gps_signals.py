@@ -9,7 +9,9 @@ import pytest
 from fmus.satellite.gps_signals import GpsSignals
 from models.satellite import orbit, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
+from navfmu import NavfmuError
 from navfmu.export import Table
+from navfmu.export.interpreter import Interpreter
 from tests.models.receiving import PLACE, QUIET, Receiving, off
 
 LIGHT = 299792458.0
@@ -28,6 +30,37 @@ def tracked(found, k=-1):
 def numbers(prn, value):
     """For each of 32 satellites."""
     return np.where(np.arange(1, 33) == prn, value, 0.0)
+
+
+class OfTheirTime(GpsSignals):
+    """Orbits that hold for two hours, of satellites that call themselves unhealthy."""
+
+    name = "gps_signals_of_their_time"
+    orbits = Table(
+        columns=COLUMNS,
+        rows=Ephemeris.of(slots.constellation())._replace(limit=7200.0, health=63.0).rows(),
+        key="place",
+    )
+
+
+@pytest.mark.parametrize(
+    ("week", "seconds", "held"),
+    [
+        (slots.EPOCH[0], slots.EPOCH[1] + 7199.0, True),
+        (slots.EPOCH[0], slots.EPOCH[1] + 7201.0, False),
+        (slots.EPOCH[0] + 1024, slots.EPOCH[1], False),
+    ],
+)
+def test_a_start_for_which_there_are_no_orbits_is_refused(week, seconds, held):
+    """No satellite would ever have been there, without a word; that all are unhealthy is what they say."""
+    receiver = Interpreter(OfTheirTime)
+    receiver.set("start_week", week)
+    receiver.set("start_seconds", seconds)
+    if held:
+        receiver.setup()
+    else:
+        with pytest.raises(NavfmuError, match=f"of the table orbits none holds in week {week}, "):
+            receiver.setup()
 
 
 def test_what_is_measured_is_solved_to_the_truth(receiving):
