@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from models.satellite import sines
 from models.satellite.gps_time import elapsed
 from models.satellite.kepler import eccentric_anomaly
 
@@ -25,11 +26,11 @@ def mean_motion(ephemeris):
 
 
 def anomaly(ephemeris, week, second):
-    """Eccentric anomaly E_k (rad) and its rate (rad/s)."""
+    """Eccentric anomaly E_k, its sine and cosine, and its rate (rad/s)."""
     n = mean_motion(ephemeris)
     mean = ephemeris.mean_anomaly + n * elapsed(week, second, ephemeris.toe_week, ephemeris.toe)
     eccentric = eccentric_anomaly(mean, ephemeris.eccentricity)
-    return eccentric, n / (1.0 - ephemeris.eccentricity * np.cos(eccentric))
+    return eccentric, n / (1.0 - ephemeris.eccentricity * eccentric[1])
 
 
 def state(ephemeris, week, second):
@@ -40,28 +41,20 @@ def state(ephemeris, week, second):
     return state_at(ephemeris, anomaly(ephemeris, week, second), week, second)
 
 
-def both(one, other):
-    """Sine and cosine of the sum of two angles of which they are known."""
-    (s, c), (sine, cosine) = one, other
-    return s * cosine + c * sine, c * cosine - s * sine
-
-
 def state_at(ephemeris, anomaly, week, second):
-    """The same where ``anomaly`` = (E_k, its rate) is known.
+    """The same where ``anomaly`` = ((sine, cosine) of E_k, its rate) is known.
 
-    Angles between the eccentric anomaly and the argument of latitude are sines and cosines, which cost less than the
-    angles; the correction of the argument is below 2e-4, and two terms of its series are enough.
+    The correction of the argument of latitude is below 2e-4, and two terms of its series are enough.
     """
-    o, (eccentric, eccentric_rate) = ephemeris, anomaly
+    o, ((sine, cosine), eccentric_rate) = ephemeris, anomaly
     t = elapsed(week, second, o.toe_week, o.toe)
     a, e = o.semi_major_axis, o.eccentricity
-    sine, cosine = np.sin(eccentric), np.cos(eccentric)
     flat = np.sqrt(1.0 - e * e)
     share = 1.0 - e * cosine
     true_anomaly = flat * sine / share, (cosine - e) / share
-    phi = both(true_anomaly, (np.sin(o.perigee), np.cos(o.perigee)))
+    phi = sines.both(true_anomaly, sines.of(o.perigee))
     phi_rate = flat * eccentric_rate / share
-    s2, c2 = both(phi, phi)
+    s2, c2 = sines.both(phi, phi)
     # argument of latitude, radius, inclination: second harmonic corrections
     du = o.cus * s2 + o.cuc * c2
     r = a * share + o.crs * s2 + o.crc * c2
@@ -70,13 +63,13 @@ def state_at(ephemeris, anomaly, week, second):
     r_rate = a * e * sine * eccentric_rate + 2.0 * phi_rate * (o.crs * c2 - o.crc * s2)
     i_rate = o.inclination_rate + 2.0 * phi_rate * (o.cis * c2 - o.cic * s2)
     # in the plane of the orbit
-    su, cu = both(phi, (du - du * du * du / 6.0, 1.0 - 0.5 * du * du))
+    su, cu = sines.both(phi, (du - du * du * du / 6.0, 1.0 - 0.5 * du * du))
     x, y = r * cu, r * su
     x_rate, y_rate = r_rate * cu - y * u_rate, r_rate * su + x * u_rate
     # into e
     node_rate = o.node_rate - EARTH_RATE
     node = o.node + node_rate * t - EARTH_RATE * o.toe
-    so, co, si, ci = np.sin(node), np.cos(node), np.sin(i), np.cos(i)
+    (so, co), (si, ci) = sines.of(node), sines.of(i)
     across, across_rate = y * ci, y_rate * ci - y * si * i_rate
     x_e, y_e, z_e = x * co - across * so, x * so + across * co, y * si
     velocity = (

@@ -25,8 +25,8 @@ def polynomial(ephemeris, week, second):
 
 def relativity(ephemeris, anomaly):
     """F e sqrt(A) sin(E) in s, and its rate in s/s; ``anomaly`` is that of :func:`models.satellite.orbit.anomaly`."""
-    (eccentric, rate), scale = anomaly, RELATIVITY * ephemeris.eccentricity * np.sqrt(ephemeris.semi_major_axis)
-    return scale * np.sin(eccentric), scale * np.cos(eccentric) * rate
+    ((sine, cosine), rate), scale = anomaly, RELATIVITY * ephemeris.eccentricity * np.sqrt(ephemeris.semi_major_axis)
+    return scale * sine, scale * cosine * rate
 
 
 def error(ephemeris, week, second):

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from models.earth import earth
-from models.satellite import broadcast, gps_time, kepler, orbit, satellite_clock, selection, slots
+from models.satellite import broadcast, gps_time, kepler, orbit, satellite_clock, selection, sines, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Output, Parameter, Table, every
@@ -72,11 +72,20 @@ def test_keplers_equation_against_bracketing():
     """At every anomaly, up to twice the eccentricity of any satellite; one step fewer is 3e-8 off at 0.05."""
     for eccentricity in (0.0, 0.005, 0.03, 0.05):
         mean = np.linspace(-7.0, 7.0, 57)
-        found = kepler.eccentric_anomaly(mean, eccentricity)
         true = [
             brentq(lambda E, m=m, e=eccentricity: E - e * np.sin(E) - m, m - 0.2, m + 0.2, xtol=1e-15) for m in mean
         ]
-        np.testing.assert_allclose(found, true, rtol=0, atol=4e-15)
+        found = kepler.eccentric_anomaly(mean, eccentricity)
+        np.testing.assert_allclose(found, [np.sin(true), np.cos(true)], rtol=0, atol=4e-15)
+
+
+def test_sines_of_small_angles_and_of_sums():
+    """To the last place of what the library has; a term less is 6e-15 off in the sine, 6e-14 of itself, and 5e-13 in the cosine."""
+    angles = np.linspace(-sines.SMALL, sines.SMALL, 1001)
+    np.testing.assert_allclose(sines.small(angles), [np.sin(angles), np.cos(angles)], rtol=3e-16, atol=0)
+    for other in (-3.0, 0.7, 2.0):
+        both = sines.both(sines.of(angles), sines.of(other))
+        np.testing.assert_allclose(both, [np.sin(angles + other), np.cos(angles + other)], rtol=0, atol=5e-16)
 
 
 def test_velocity_and_drift_are_derivatives(published):
