@@ -21,7 +21,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from navfmu.errors import NavfmuError, quoted
 from navfmu.files.digest import content_hash
@@ -46,7 +46,7 @@ _KEY = re.compile(r"[0-9a-f]{32}\b.*")
 
 Stamps = dict[str, tuple[int, int]]  # size and time of change of each file of a content
 _checked: dict[Path, Stamps] = {}  # what this process has found intact
-_used: dict[Path, IO[bytes]] = {}  # the locks of this process
+_used: dict[Path, int] = {}  # the locks of this process, as files that stay open until it ends
 
 
 def directory() -> Path:
@@ -265,8 +265,12 @@ def _use(home: Path) -> None:
     if fcntl is None or home in _used:
         return
     with suppress(OSError):  # a folder that is missing, or cannot be written, or locked
-        lock = open(home / USED, "ab")
-        fcntl.flock(lock, fcntl.LOCK_SH)
+        lock = os.open(home / USED, os.O_WRONLY | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_SH)
+        except OSError:
+            os.close(lock)
+            raise
         _used[home] = lock
 
 

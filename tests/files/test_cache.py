@@ -230,6 +230,15 @@ def test_what_another_process_uses_stays(home):
     assert navfmu("--clear").exit_code == 0 and not list(home.glob("unpacked/*"))
 
 
+def test_a_process_that_ends_says_nothing_of_its_lock(home):
+    """A file object that is open at the end is a ResourceWarning, which some runs printed behind their table."""
+    home.mkdir()
+    script = "from navfmu.files import cache; cache.find('unpacked', 'none')"
+    warn = [sys.executable, "-W", "always::ResourceWarning", "-c", script]
+    assert subprocess.run(warn, capture_output=True, text=True, check=True).stderr == ""
+    assert (home / ".used").is_file()
+
+
 def test_the_folder_is_where_the_system_keeps_caches(monkeypatch, tmp_path):
     monkeypatch.delenv("NAVFMU_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
