@@ -15,6 +15,7 @@ from models.processes.known import known
 from models.satellite import (
     ageing,
     antenna,
+    augmentation,
     gps,
     gps_time,
     klobuchar,
@@ -31,6 +32,7 @@ from models.satellite import (
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Example, Grid, Input, Output, Parameter, State, Table, every, require, start
+from navfmu.repetition import repeat
 
 SATELLITES = 32
 LOWEST = float(np.radians(2.0))
@@ -59,6 +61,10 @@ class GpsSignals(Jamming, Component):
     `acquisition_time` (RTO MP-43, Sabatini: 20 s). Each `search_period` satellites that have come above
     `elevation_mask` are given places, while one of `channels` is free, and keep them until they set.
 
+    Augmentation (`waas`). Corrections of orbit, clock and ionosphere, and a model of the troposphere, as one number for
+    each satellite; they leave `waas_share` of the errors that they say they may leave (RTCA DO-229, appendix J). Lost,
+    they are used for another `waas_timeout`.
+
     Clock. Bias and drift with white noise of frequency and of its rate; acceleration changes the frequency by
     `clock_sensitivity` times specific force.
 
@@ -85,6 +91,7 @@ class GpsSignals(Jamming, Component):
     pitch = Gps.pitch
     heading = Gps.heading
     specific_force = Input(3, "m/s2", description="true specific force in b, changes the frequency of the clock")
+    waas_lost = Input(kind="boolean", fault=True, description="fault: no corrections of WAAS are received any more")
     satellite_off = Input(SATELLITES, kind="boolean", fault=True, description="fault: satellite of this PRN is silent")
     range_step = Input(SATELLITES, "m", fault=True, description="fault: satellite of this PRN is too far by this")
     range_ramp = Input(
@@ -127,6 +134,22 @@ class GpsSignals(Jamming, Component):
     own_time = Parameter("s", start=3600.0, min=1.0, description="correlation time of it")
     upload_age = Parameter("s", start=0.0, min=0.0, description="since satellites were told orbits and clocks")
     accuracy = Parameter("m", start=2.4, min=0.0, description="user range accuracy, where a satellite tells none")
+    waas = Parameter(kind="boolean", start=False, description="whether corrections of WAAS are received and used")
+    waas_udre = Parameter(
+        "m", start=augmentation.UDRE, min=0.0, description="bound of orbit and clock that it tells, 99.9 %"
+    )
+    waas_give = Parameter(
+        "m", start=augmentation.GIVE, min=0.0, description="bound of the ionosphere at the zenith that it tells, 99.9 %"
+    )
+    waas_share = Parameter(
+        "1",
+        start=augmentation.SHARE,
+        min=0.0,
+        description="errors that are left over those that are told (chosen: 95 % as measured in 2004)",
+    )
+    waas_timeout = Parameter(
+        "s", start=augmentation.TIMEOUT, min=0.0, description="how long corrections hold that are not renewed"
+    )
     ionosphere_alpha = Parameter(
         4,
         "s",
@@ -160,6 +183,7 @@ class GpsSignals(Jamming, Component):
 
     signals = signals(Output)
     satellites = Output(kind="integer", description="number of satellites tracked")
+    augmented = Output(kind="boolean", description="whether there are corrections of WAAS")
     elevation = Output(PLACES, "rad", display_unit="deg", description="of the satellites, above the horizon")
     jamming = Output("1", start=-300.0, description="power of all jammers at the antenna's element, dBW")
     clock_bias = Output("s", description="receiver's clock ahead of GPS time")
@@ -170,6 +194,7 @@ class GpsSignals(Jamming, Component):
     own = State(PLACES, "1", description="own error, over its sigma")
     reflected = State(PLACES, "1", description="multipath, over its sigma")
     common = State(2, "1", description="error of ionosphere and troposphere, over their sigmas")
+    unheard = State("s", start=augmentation.NEVER, description="since when no corrections have been received")
     run_away = State(SATELLITES, "m", description="by range_ramp")
     bias = State("s", description="of the clock without a jump")
     drift = State("1", description="rate of it without acceleration")
@@ -284,6 +309,7 @@ class GpsSignals(Jamming, Component):
         )
         zenith = sum(saastamoinen.zenith(latitude, altitude, self.humidity)) + self.troposphere_sigma * self.common[1]
         delay = ionosphere + saastamoinen.slant(zenith, low)
+        correction, correction_sigma = self._augment(own, ionosphere, zenith, low)
         pseudorange = distance + delay + SPEED_OF_LIGHT * (self.clock_bias - clock) + error
         range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
         range_rate = range_rate + SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
@@ -307,10 +333,25 @@ class GpsSignals(Jamming, Component):
             satellite_clock=np.where(tracked, clock, 0.0),
             satellite_clock_rate=np.where(tracked, clock_rate, 0.0),
             accuracy=np.where(tracked & (orbit.accuracy > 0.0), orbit.accuracy, self.accuracy),
-            correction=np.zeros(PLACES),
-            corrected=np.zeros(PLACES) > 0.0,
+            correction=np.where(tracked, correction, 0.0),
+            correction_sigma=np.where(tracked, correction_sigma, 0.0),
+            corrected=tracked & self.augmented,
             valid=finite,
         )
+
+    def _augment(self, own, ionosphere, zenith, low):
+        """Corrections of WAAS, m, and their sigma, with its own model of the troposphere; zeros without it."""
+        self.unheard = np.where(self.waas & np.logical_not(self.waas_lost), 0.0, self.unheard + self.period)
+        self.augmented = self.unheard <= self.waas_timeout
+
+        def corrected(_):
+            udre, give = self.waas_udre / augmentation.BOUND, self.waas_give / augmentation.BOUND
+            left = self.own * udre + self.common[0] * give * augmentation.obliquity(low)
+            modelled = saastamoinen.slant(zenith - self.troposphere_sigma * self.common[1], low)
+            correction = augmentation.correction(own, ionosphere, modelled, self.waas_share * left)
+            return correction, augmentation.sigma(low, udre, give)
+
+        return repeat(corrected, (np.zeros(PLACES), np.zeros(PLACES)), np.where(self.augmented, 1, 0), 1)
 
     def _now(self):
         return gps_time.normal(self.start_week, self.start_seconds + self.time)

@@ -9,6 +9,7 @@ from fmus.satellite.gps import Gps
 from fmus.satellite.signals import PLACES, signals
 from models.earth import earth
 from models.satellite import (
+    augmentation,
     chi_square,
     dilution,
     least_squares,
@@ -98,7 +99,7 @@ class GpsSolver(Component):
         "m", start=0.0, min=0.0, description="standard deviation of all pseudoranges; 0: each by its elevation"
     )
     differential_sigma = Parameter(
-        "m", start=0.3, min=0.0, description="standard deviation that differential corrections leave"
+        "m", start=0.3, min=0.0, description="standard deviation that corrections leave which do not tell any"
     )
     altitude_sigma = Parameter("m", start=10.0, min=0.01, description="standard deviation of the altitude")
     altitude_below = Parameter(
@@ -129,6 +130,12 @@ class GpsSolver(Component):
         "m", start=protection_level.NONE, description="horizontal standard deviation by the weights"
     )
     vertical_sigma = Output("m", start=protection_level.NONE, description="vertical standard deviation by the weights")
+    augmented_horizontal_protection = Output(
+        "m", start=protection_level.NONE, description="horizontal protection level of WAAS, RTCA DO-229"
+    )
+    augmented_vertical_protection = Output(
+        "m", start=protection_level.NONE, description="vertical protection level of WAAS, RTCA DO-229"
+    )
     squares = Output("1", description="weighted sum of squares of the residuals, before anything was left out")
     threshold = Output("1", description="what it is tested against; 0: too few satellites for a test")
     detected = Output(kind="boolean", description="the sum of squares was above the threshold")
@@ -195,9 +202,8 @@ class GpsSolver(Component):
         seen = self._rows(tracked & (elevation >= self.elevation_mask), 1.0)
         found = solution.solution(place, clock, measured, seen)
         kept = solution.choose(found.h, seen, self.channels)
-        weight = solution.weights(
-            kept[:-1] > 0.0, elevation, delay, s.accuracy, s.corrected, self.differential_sigma, self.equal_sigma
-        )
+        remains = np.where(s.correction_sigma > 0.0, s.correction_sigma, self.differential_sigma)
+        weight = solution.weights(kept[:-1] > 0.0, elevation, delay, s.accuracy, s.corrected, remains, self.equal_sigma)
         weight = self._rows(weight, self.altitude_sigma**-2)
         place, clock = solution.approach(place, clock, measured, weight, 2)
         found = solution.solution(place, clock, measured, weight)
@@ -281,6 +287,10 @@ class GpsSolver(Component):
         levels = []
         variances = np.maximum(np.stack([found.p[0, 0] + found.p[1, 1], found.p[2, 2]]), 0.0)
         self.horizontal_sigma, self.vertical_sigma = np.where(good, np.sqrt(variances), protection_level.NONE)
+        told = (self.signals.corrected & (self.signals.correction_sigma > 0.0)) | (weight[:-1] <= 0.0)
+        self.augmented_horizontal_protection, self.augmented_vertical_protection = np.where(
+            good & np.all(told), np.stack(augmentation.protection(found.p)), protection_level.NONE
+        )
         for slope, sigma in ((horizontal, self.horizontal_sigma), (vertical, self.vertical_sigma)):
             levels.append(protection_level.of_slope_and_noise(slope, threshold, sigma, self.multiple))
             levels.append(protection_level.of_slope(slope, non_centrality))

@@ -28,6 +28,7 @@ def signals(kind: type[Input] | type[Output]) -> Bundle:
         satellite_clock_rate=kind(PLACES, "1", description="rate of it"),
         accuracy=kind(PLACES, "m", start=np.full(PLACES, 2.4), description="user range accuracy sent by the satellite"),
         correction=kind(PLACES, "m", description="differential correction, added to the pseudorange where `corrected`"),
+        correction_sigma=kind(PLACES, "m", description="standard deviation that it leaves, as told; 0: not told"),
         corrected=kind(PLACES, kind="boolean", description="whether there is a differential correction"),
         description="measurements of satellites",
     )

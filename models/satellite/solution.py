@@ -125,16 +125,16 @@ def day_of_year(week, seconds):
     return np.mod(5.0 + 7.0 * week + seconds / 86400.0, 365.25) + 1.0
 
 
-def weights(seen, elevation, ionosphere, accuracy, corrected, differential_sigma, equal_sigma):
+def weights(seen, elevation, ionosphere, accuracy, corrected, correction_sigma, equal_sigma):
     """1 / variance of the satellites that are used, 0 of the others.
 
-    With differential corrections the receiver's own part and what corrections leave; with ``equal_sigma`` above 0 that
-    for all.
+    With corrections the receiver's own part and what they leave, ``correction_sigma``; with ``equal_sigma`` above 0
+    that for all.
     """
     low = np.maximum(elevation, LOWEST)
     by_model = np.where(
         corrected,
-        variance.code(low) + differential_sigma**2,
+        variance.code(low) + correction_sigma * correction_sigma,
         variance.pseudorange(low, accuracy, ionosphere),
     )
     equal = np.where(equal_sigma > 0.0, equal_sigma, 1.0) ** 2

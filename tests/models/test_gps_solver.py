@@ -323,4 +323,4 @@ def test_what_measures_has_the_bundle_of_what_solves():
         return {f.name: (f.shape, f.type) for f in fields if f.name.startswith("signals.") and "lost" not in f.name}
 
     assert told(Measuring) == told(GpsSolver)
-    assert len(told(Measuring)) == 17
+    assert len(told(Measuring)) == 18
