@@ -8,9 +8,9 @@ import click
 @click.command("coverage")
 @click.argument("file", type=click.Path())
 @click.option("--near", nargs=2, type=float, metavar="LAT LON", help="The middle of a grid, in degrees.")
-@click.option("--radius", default=40.0, show_default=True, metavar="NMI", help="From the middle to the sides.")
+@click.option("--radius", type=float, metavar="NMI", help="From the middle to the sides.  [default: 40]")
 @click.option("--height", "heights", multiple=True, type=float, metavar="FT", help="Above the ground.  [500 and 1500]")
-@click.option("--points", default=61, show_default=True, metavar="N", help="Along each side of the grid.")
+@click.option("--points", type=int, metavar="N", help="Along each side of the grid.  [default: 61]")
 @click.option("--track", type=click.Path(), help="A recorded track (CSV) in place of a grid.")
 @click.option("--ground", default=0.0, metavar="FT", help="Height of the ground above the sea.  [default: 0]")
 @click.option("--out", type=click.Path(dir_okay=False), help="A table of all points to write, .csv.")
@@ -26,7 +26,7 @@ def command(file, near, radius, heights, points, track, ground, out, picture):
     navfmu coverage earth_nav.dat --near 37.69 -121.82 --height 500 --height 1500 --picture coverage.png
     navfmu coverage earth_nav.dat --track flight.csv --out coverage.csv
     """
-    from navfmu.cli.place import along, place, reachable, within
+    from navfmu.cli.place import along, elsewhere, place, reachable, unused, within
     from navfmu.constants import FOOT, NAUTICAL_MILE
     from navfmu.errors import NavfmuError
     from navfmu.files.numbers_as_text import text
@@ -37,17 +37,17 @@ def command(file, near, radius, heights, points, track, ground, out, picture):
 
     if (not near) == (track is None):
         raise NavfmuError("expected either --near LAT LON for a grid or --track FILE")
-    if track is not None and heights:
-        raise NavfmuError("--height belongs to a grid; a track has heights of its own")
+    unused(track, "a grid", radius=radius, height=heights or None, points=points)
     if out is not None:
         check_file(out, ".csv")
+        elsewhere(out, "--out", file, track)
     if picture is not None:
         check_file(picture, ".png")
     ground = within(ground, -2000.0, 20000.0, "--ground", "ft") * FOOT
     if near:
         heights = [within(h, 0.0, 100000.0, "--height", "ft") * FOOT for h in heights or (500.0, 1500.0)]
-        within(radius, 0.1, 500.0, "--radius", "nmi")
-        within(points, 2, 401, "--points", "points")
+        radius = within(40.0 if radius is None else radius, 0.1, 500.0, "--radius", "nmi")
+        points = within(61 if points is None else points, 2, 401, "--points", "points")
         where = Points.around(*place(near), radius * NAUTICAL_MILE, points, heights, ground)
     else:
         where = along(track, ground)

@@ -29,6 +29,24 @@ def within(value, least, largest, option, unit):
     return value
 
 
+def unused(track, belongs, **options):
+    """A sentence where options are given that a track leaves unused; ``belongs`` says to what they belong."""
+    from navfmu.errors import NavfmuError
+
+    for name, value in options.items():
+        if track is not None and value is not None:
+            raise NavfmuError(f"--{name} belongs to {belongs}; a track has places and heights of its own")
+
+
+def elsewhere(target, option, *sources):
+    """A sentence where a file that is read would be written over."""
+    from navfmu.errors import NavfmuError
+    from navfmu.files.reading import located
+
+    if target is not None and any(located(target) == located(source) for source in sources if source is not None):
+        raise NavfmuError(f"{option} {target} is a file that is read; expected another name")
+
+
 def along(track, ground):
     """The points of a recorded track."""
     from navfmu.navaids.coverage import Points

@@ -8,7 +8,7 @@ import click
 @click.command("stations")
 @click.argument("file", type=click.Path())
 @click.option("--near", nargs=2, type=float, metavar="LAT LON", help="A place, in degrees.")
-@click.option("--altitude", default=5000.0, show_default=True, metavar="FT", help="Above the sea, over that place.")
+@click.option("--altitude", type=float, metavar="FT", help="Above the sea, over that place.  [default: 5000]")
 @click.option("--track", type=click.Path(), help="A recorded track (CSV) in place of a place.")
 @click.option("--ground", default=0.0, metavar="FT", help="Height of the ground, for the horizon.  [default: the sea]")
 @click.option("--count", type=int, metavar="N", help="How many at most.  [default: as many as the FMU holds, or 5]")
@@ -30,7 +30,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
     """
     import numpy as np
 
-    from navfmu.cli.place import along, place, reachable, within
+    from navfmu.cli.place import along, place, reachable, unused, within
     from navfmu.constants import FOOT
     from navfmu.errors import NavfmuError
     from navfmu.files.writing import write_file
@@ -44,6 +44,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
 
     if (not near) == (track is None):
         raise NavfmuError("expected either --near LAT LON or --track FILE: where are the stations to be heard?")
+    unused(track, "a place", altitude=altitude)
     if (fmu is None) != (out is None):
         raise NavfmuError("--fmu and --out belong together: the FMU that gets the stations, and the .ssv to write")
     if out is not None:
@@ -51,7 +52,9 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
         fmu = shipped.system(fmu)
     ground = within(ground, -2000.0, 20000.0, "--ground", "ft") * FOOT
     if near:
-        within(altitude, -2000.0, 100000.0, "--altitude", "ft")
+        altitude = within(5000.0 if altitude is None else altitude, -2000.0, 100000.0, "--altitude", "ft")
+        if altitude * FOOT < ground:
+            raise NavfmuError(f"--altitude is {altitude:g} ft, below the ground at {ground / FOOT:g} ft")
         latitude, longitude = place(near)
         points = Points(np.array([latitude]), np.array([longitude]), np.array([altitude * FOOT]), ground)
     else:

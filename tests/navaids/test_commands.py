@@ -121,7 +121,19 @@ REFUSED = {
     "an FMU alone": (("stations", "stations.csv", *NEAR, "--fmu", "dme.fmu"), "--fmu and --out belong together"),
     "nothing heard": (("stations", "stations.csv", "--near", 0, 0), "none of its 3 stations is heard at 0 0, 5000 ft"),
     "nothing near": (("coverage", "stations.csv", "--near", 0, 0), "none of its 3 stations is near enough"),
-    "a height along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--height", 5), "has heights"),
+    "a height along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--height", 5), "--height belongs"),
+    "a radius along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--radius", 9), "--radius belongs"),
+    "points along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--points", 9), "belongs to a grid"),
+    "an altitude along a track": (
+        ("stations", "stations.csv", "--track", "flight.csv", "--altitude", 5000),
+        "--altitude belongs to a place; a track has places and heights of its own",
+    ),
+    "a place below the ground": (("stations", "stations.csv", *NEAR, "--ground", 6000), "5000 ft, below the ground at"),
+    "stations written over": (("coverage", "stations.csv", *NEAR, "--out", "./stations.csv"), "is a file that is read"),
+    "a flight written over": (
+        ("coverage", "stations.csv", "--track", "flight.csv", "--out", "flight.csv"),
+        "--out flight.csv is a file that is read; expected another name",
+    ),
     "a table as a picture": (("coverage", "stations.csv", *NEAR, "--out", "c.txt"), "expected .csv at its end"),
     "no radius": (("coverage", "stations.csv", *NEAR, "--radius", -1), "--radius is -1 nmi; expected 0.1 to 500"),
     "a count of none": (("stations", "stations.csv", *NEAR, "--count", 0), "--count is 0 stations; expected 1 to 5"),
@@ -133,6 +145,7 @@ REFUSED = {
 def test_refused_is(name, files):
     words, sentence = REFUSED[name]
     done = navfmu(*words)
+    assert (files / "stations.csv").read_text() == TABLE and (files / "flight.csv").read_text() == TRACK
     assert done.exit_code == 2 and sentence in done.stderr and "Traceback" not in done.output, done.output
 
 
