@@ -121,8 +121,8 @@ REFUSED = {
     "an FMU alone": (("stations", "stations.csv", *NEAR, "--fmu", "dme.fmu"), "--fmu and --out belong together"),
     "nothing heard": (("stations", "stations.csv", "--near", 0, 0), "none of its 3 stations is heard at 0 0, 5000 ft"),
     "nothing near": (("coverage", "stations.csv", "--near", 0, 0), "none of its 3 stations is near enough"),
-    "a height along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--height", 5), "--height belongs"),
-    "a radius along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--radius", 9), "--radius belongs"),
+    "a height along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--height", 5), "height belongs"),
+    "a radius along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--radius", 9), "radius belongs"),
     "points along a track": (("coverage", "stations.csv", "--track", "flight.csv", "--points", 9), "belongs to a grid"),
     "an altitude along a track": (
         ("stations", "stations.csv", "--track", "flight.csv", "--altitude", 5000),
