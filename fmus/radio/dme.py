@@ -24,6 +24,7 @@ from navfmu.export import (
     require,
     start,
 )
+from navfmu.repetition import repeat
 
 PLACES = stations.PLACES
 NETWORK = 2
@@ -543,14 +544,16 @@ class Dme(stations.StationTable, Component):
     def exchange(self, noise):
         """Stations out of reach give their places to the nearest ones in reach, in the mode network."""
         number = np.arange(1, stations.NETWORK + 1)
-        there, latitude, longitude, altitude, most = self.of_network(number)
-        away = dme.slant_range(self.latitude, self.longitude, self.altitude, latitude, longitude, altitude)
-        reach = np.minimum(dme.horizon(self.altitude, altitude, self.antenna_height), most)
-        inside = there & (away <= reach) & (self.stations_from == NETWORK)
-        kept = np.where(np.any((self.placed[:, None] == number) & inside, axis=1), self.placed, 0)
-        wanted = inside & np.logical_not(places.has_one(kept, stations.NETWORK))
-        placed = places.filled(kept, wanted, away, PLACES)
 
+        def exchanged(placed):
+            there, latitude, longitude, altitude, most = self.of_network(number)
+            away = dme.slant_range(self.latitude, self.longitude, self.altitude, latitude, longitude, altitude)
+            reach = np.minimum(dme.horizon(self.altitude, altitude, self.antenna_height), most)
+            inside = there & (away <= reach)
+            kept = np.where(np.any((placed[:, None] == number) & inside, axis=1), placed, 0)
+            return places.filled(kept, inside & np.logical_not(places.has_one(kept, stations.NETWORK)), away, PLACES)
+
+        placed = repeat(exchanged, self.placed, np.where(self.stations_from == NETWORK, 1, 0), 1)
         new = placed != self.placed
         drawn = gauss_markov.stationary(self.bias_sigma, noise(PLACES))
         self.station_bias = np.where(new, drawn, self.station_bias)

@@ -309,7 +309,7 @@ class GpsSignals(Jamming, Component):
         )
         zenith = sum(saastamoinen.zenith(latitude, altitude, self.humidity)) + self.troposphere_sigma * self.common[1]
         delay = ionosphere + saastamoinen.slant(zenith, low)
-        correction, correction_sigma = self._augment(own, ionosphere, zenith, low)
+        correction, correction_sigma = self._augment(tracked, own, ionosphere, zenith, low)
         pseudorange = distance + delay + SPEED_OF_LIGHT * (self.clock_bias - clock) + error
         range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
         range_rate = range_rate + SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
@@ -333,13 +333,13 @@ class GpsSignals(Jamming, Component):
             satellite_clock=np.where(tracked, clock, 0.0),
             satellite_clock_rate=np.where(tracked, clock_rate, 0.0),
             accuracy=np.where(tracked & (orbit.accuracy > 0.0), orbit.accuracy, self.accuracy),
-            correction=np.where(tracked, correction, 0.0),
-            correction_sigma=np.where(tracked, correction_sigma, 0.0),
+            correction=correction,
+            correction_sigma=correction_sigma,
             corrected=tracked & self.augmented,
             valid=finite,
         )
 
-    def _augment(self, own, ionosphere, zenith, low):
+    def _augment(self, tracked, own, ionosphere, zenith, low):
         """Corrections of WAAS, m, and their sigma, with its own model of the troposphere; zeros without it."""
         self.unheard = np.where(self.waas & np.logical_not(self.waas_lost), 0.0, self.unheard + self.period)
         self.augmented = self.unheard <= self.waas_timeout
@@ -349,7 +349,7 @@ class GpsSignals(Jamming, Component):
             left = self.own * udre + self.common[0] * give * augmentation.obliquity(low)
             modelled = saastamoinen.slant(zenith - self.troposphere_sigma * self.common[1], low)
             correction = augmentation.correction(own, ionosphere, modelled, self.waas_share * left)
-            return correction, augmentation.sigma(low, udre, give)
+            return np.where(tracked, correction, 0.0), np.where(tracked, augmentation.sigma(low, udre, give), 0.0)
 
         return repeat(corrected, (np.zeros(PLACES), np.zeros(PLACES)), np.where(self.augmented, 1, 0), 1)
 
