@@ -407,6 +407,12 @@ class Dme(stations.StationTable, Component):
         _, latitude, longitude, _, _ = self.of_network(np.arange(1, stations.NETWORK + 1))
         return np.all((np.abs(latitude) <= 0.5 * np.pi + 1e-9) & (np.abs(longitude) <= np.pi + 1e-9))
 
+    @require("network has a number that is not whole, a height beyond -1000 to 10000 m, or a range that is none")
+    def network_is_possible(self):
+        around = self.network.around(number=np.arange(1.0, stations.NETWORK + 1.0))
+        number, _, _, altitude, reach = np.concatenate([around.row, around.next_row]).T
+        return np.all((number == np.floor(number)) & (altitude >= -1000.0) & (altitude <= 10000.0) & (reach > 0.0))
+
     @require("terrain does not reach around: expected azimuths from 0 to 2 pi rad and stations from 1 to 5")
     def terrain_reaches_around(self):
         stations, azimuths = self.terrain.around(station=np.array([1.0, PLACES]), azimuth=_ROUND).ends
@@ -456,9 +462,10 @@ class Dme(stations.StationTable, Component):
         return np.where(own, self.station_range, reach)
 
     def visible(self, north, east, up, distance):
-        """Stations that are not behind terrain, seen from them at north, east, up, m."""
+        """Stations that are not behind terrain, seen from them at north, east, up, m; without a row there is none."""
         number = np.maximum(1.0 * self.station_number, 1.0)
-        mask = self.terrain.around(station=number, azimuth=sight.azimuth(north, east)).bilinear()[:, 0]
+        around = self.terrain.around(station=number, azimuth=sight.azimuth(north, east))
+        mask = np.where(number <= around.ends[0][:, 1], around.bilinear()[:, 0], -0.5 * np.pi)
         return sight.is_above(up, distance, np.maximum(mask - sight.bending(distance), -0.5 * np.pi))
 
     def select(self, line, inside, admitted):

@@ -10,7 +10,7 @@ from fmus.radio.dme import Dme
 from fmus.radio.grades import DME
 from models.processes import places
 from navfmu.errors import NavfmuError
-from navfmu.export import Table
+from navfmu.export import Grid, Table
 from tests.models.native import interpret
 from tests.models.test_dme import RANGES, follow
 
@@ -168,9 +168,31 @@ def test_places_go_to_the_best_and_to_none_twice():
     [
         (np.vstack([rows(EAST, NORTH), [[33.0, 0.9, 0.1, 0.0, 1e5]]]), "beyond the 32 that can be chosen from"),
         (rows(EAST, NORTH)[1:], "not numbered from 1 on"),
+        (rows(EAST, NORTH) + np.outer(np.arange(10) == 4, [0.5, 0, 0, 0, 0]), "number that is not whole"),
+        (rows(EAST, NORTH) + np.outer(np.arange(10) == 9, [0.5, 0, 0, 0, 0]), "number that is not whole"),
+        (rows(EAST, NORTH) + np.outer(np.arange(10) == 4, [0, 0, 0, 1e5, 0]), "a height beyond -1000 to 10000 m"),
+        (rows(EAST, NORTH) - np.outer(np.arange(10) == 9, [0, 0, 0, 0, REACH]), "a range that is none"),
         (np.array([[1.0, 52.0, 8.0, 50.0, 1e5], [2.0, 52.1, 8.1, 50.0, 1e5]]), "in rad, not degrees"),
     ],
 )
 def test_a_network_that_cannot_be_right_is_refused(wrong, sentence):
     with pytest.raises(NavfmuError, match=sentence):
         interpret(network(wrong))
+
+
+def test_a_station_without_a_row_of_terrain_is_behind_none():
+    """Terrain of five stations hides the fifth; of those at 500 km, 6 to 10, none. Catches the last row for all."""
+
+    class Behind(FLIGHT):
+        """With a wall around the fifth one."""
+
+        terrain = Grid(
+            axes=(("station", "1", np.arange(1.0, 6.0)), ("azimuth", "rad", np.array([0.0, 2.0 * np.pi]))),
+            surfaces=(("mask", "rad", np.vstack([np.full((4, 2), -0.5 * np.pi), np.full((1, 2), 1.2)])),),
+        )
+
+    for east, hidden in ((500e3, []), (200e3, [5])):
+        run = interpret(Behind, stations_from="network", **QUIET, mode=3, **place(east))
+        run.do_step(0.0, 20.0)
+        numbers = run.get("station_number")
+        assert np.all(numbers > 0) and sorted(numbers[~run.get("ranging.measured")]) == hidden
