@@ -88,8 +88,8 @@ def solver_panels(outputs: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.n
         "protection level (m)": {
             name: np.where(seen, outputs[f"{name}_protection"], np.nan) for name in ("horizontal", "vertical")
         },
-        "satellite used": {
-            f"satellite {i + 1}": outputs["used"][:, i] + 1.2 * i for i in (WRONG - 1, WRONG, WRONG + 1)
+        "above its number while used": {
+            f"satellite {i + 1}": i + 1 + 0.8 * outputs["used"][:, i] for i in (WRONG - 1, WRONG, WRONG + 1)
         },
     }
 
