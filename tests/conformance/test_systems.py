@@ -1,4 +1,7 @@
-"""The flat SSP of the ten connected FMUs in masters that this project did not write: equal to its own Jacobi."""
+"""The flat SSP of the connected FMUs in masters that this project did not write: equal to its own Jacobi.
+
+With positions of GPS, and with signals and their solver, between which go whole numbers and switches of 24 satellites.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +17,20 @@ from tests.conformance import hosts
 STEP, STEPS = 1.0 / 64.0, 64 * 40  # the first GPS fixes, a calibrated wind and two rounds of DME ranges
 
 
-@pytest.fixture(scope="module")
-def fmus(tmp_path_factory):
-    return {name: built.fmu(name, tmp_path_factory) for name in COMPONENTS}
+@pytest.fixture(scope="module", params=["gps", "gps_signals"])
+def fmus(request, tmp_path_factory):
+    files = dict(zip(COMPONENTS, COMPONENTS, strict=True))
+    if request.param != "gps":
+        files |= {"gps": request.param, "gps_solver": "gps_solver"}
+    return {name: built.fmu(file, tmp_path_factory) for name, file in files.items()}
 
 
 @pytest.fixture(scope="module")
 def ssp(fmus, tmp_path_factory):
-    folder = next(iter(fmus.values())).parent
+    folder, receiver = fmus["gps"].parent, fmus["gps"].name
     package = tmp_path_factory.mktemp("ssp") / "bay_area_scanning.ssp"
-    return source(folder).pack(package, variant="bay_area_scanning")  # other values than those of the FMUs
+    signals = None if receiver == "gps.fmu" else receiver
+    return source(folder, signals=signals).pack(package, variant="bay_area_scanning")  # values that FMUs do not have
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +44,7 @@ def expected(ssp, fmus):
         values[component][variable] = float(result[column].iloc[-1])
     assert values["navigator"]["mode"] > 0 and values["dme"]["ranging.sequence"] > 1
     assert sum(values["dme"][f"ranging.slant_range[{i}]"] > 0 for i in range(1, 6)) >= 4  # stations of the variant
+    assert "gps_solver" not in fmus or (values["gps_solver"]["satellites"] >= 6 and values["gps_solver"]["fix.valid"])
     return values
 
 
