@@ -505,9 +505,9 @@ class Dme(stations.StationTable, Component):
         other_reach = dme.horizon(self.altitude, self.other_altitude, self.antenna_height)
         distance = np.where(self.wrong_station, other_range, true_range)
         self.delay_drifted = transponder.drifted(self.delay_drifted, known(self.delay_drift, 0.0), self.period)
-        delay = self.delay_change + self.delay_drifted
+        delay = np.where(self.wrong_station, 0.0, self.delay_change + self.delay_drifted)
         off = self.station_off | (np.abs(delay) >= self.monitor_limit)
-        heard = np.where(self.wrong_station, other_range <= other_reach, inside) & ~off
+        heard = np.where(self.wrong_station, other_range <= other_reach, inside & ~off)
         load = transponder.load(np.maximum(self.traffic, 0.0), self.searching_share) + self.interrogation_rate
         share = transponder.efficiency(load, self.capacity, self.dead_time) * self.reply_efficiency
         share = share * np.clip(1.0 - self.replies_lost, 0.0, 1.0)

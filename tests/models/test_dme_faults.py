@@ -110,6 +110,18 @@ def test_f29_another_station_of_the_channel_is_read_as_this_one(native):
     np.testing.assert_allclose(low[4:], truth)
 
 
+@pytest.mark.parametrize(
+    "fault", [{"station_off": FIRST}, {"delay_change": 2e-6 * FIRST}, {"delay_change": 5e-7 * FIRST}]
+)
+def test_f29_another_station_is_heard_when_this_one_is_off_or_late(native, fault):
+    """Which is when it is heard. Catches the power switch and the delay of one transponder in the other."""
+    quiet = {"bias_sigma": 0.0, "noise_sigma": 0.0}
+    other = {"other_latitude": HERE["latitude"], "other_longitude": HERE["longitude"] + 0.01, "other_altitude": 0.0}
+    there = dme.slant_range(*HERE.values(), *(np.array([x]) for x in other.values()))[0]
+    changed = flown(native, {"wrong_station": FIRST} | fault, quiet | other)[:, 0]
+    np.testing.assert_allclose(changed[25:40], there)
+
+
 def test_f29_a_position_that_is_wrong_in_the_database_is_its_way_along_the_line():
     """A wrong place is a table of the navigator's that is not that of the receiver: the difference of distances, and
     to first order its part along the line of sight. North of HERE, 500 m north is 500 m, 500 m east is 4 m."""
