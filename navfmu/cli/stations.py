@@ -11,7 +11,7 @@ import click
 @click.option("--altitude", type=float, metavar="FT", help="Above the sea, over that place.  [default: 5000]")
 @click.option("--track", type=click.Path(), help="A recorded track (CSV) in place of a place.")
 @click.option("--ground", default=0.0, metavar="FT", help="Height of the ground, for the horizon.  [default: the sea]")
-@click.option("--count", type=int, metavar="N", help="How many at most.  [default: as many as the FMU holds, or 5]")
+@click.option("--count", type=int, metavar="N", help="How many at most.  [default: what the FMU holds, or 5]")
 @click.option("--fmu", metavar="FMU", help="The FMU that gets them: a file, or the name of one that is shipped.")
 @click.option("--out", type=click.Path(dir_okay=False), help="The parameter set to write, .ssv.")
 @click.option("--network", type=click.Path(dir_okay=False), help="The table of a receiver's network to write, .csv.")
@@ -30,7 +30,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
     """
     import numpy as np
 
-    from navfmu.cli.place import along, place, reachable, unused, within
+    from navfmu.cli.place import along, elsewhere, place, reachable, unused, within
     from navfmu.constants import FOOT
     from navfmu.errors import NavfmuError
     from navfmu.files.writing import write_file
@@ -62,6 +62,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
     room = parameters.places(fmu) if fmu else 5
     if network is not None:
         check_file(network, ".csv")
+        elsewhere(network, "--network", file, track)
         room = table.MOST if fmu is None else room
     most = room if count is None else int(within(count, 1, room, "--count", "stations"))
     found = read(file)

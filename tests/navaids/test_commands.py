@@ -130,6 +130,7 @@ REFUSED = {
     ),
     "a place below the ground": (("stations", "stations.csv", *NEAR, "--ground", 6000), "5000 ft, below the ground at"),
     "stations written over": (("coverage", "stations.csv", *NEAR, "--out", "./stations.csv"), "is a file that is read"),
+    "stations by a network": (("stations", "stations.csv", *NEAR, "--network", "stations.csv"), "file that is read"),
     "a flight written over": (
         ("coverage", "stations.csv", "--track", "flight.csv", "--out", "flight.csv"),
         "--out flight.csv is a file that is read; expected another name",
