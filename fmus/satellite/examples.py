@@ -47,10 +47,11 @@ def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         place = flight["latitude"][k], flight["longitude"][k], flight["altitude"][k]
         position_e = earth.to_ecef(*place)
         distance, unit_e = sight.ranges(position_e, satellite_e[: len(SKY)])
-        elevation, azimuth = sight.elevation_azimuth(unit_e, *place[:2])
-        velocity_e = flight["velocity_n"][k] @ earth.north_east_down(*place[:2])
-        delay = klobuchar.delay(*place[:2], elevation, azimuth, now, ALPHA, BETA)
-        delay = delay + saastamoinen.slant(sum(saastamoinen.zenith(place[0], place[2])), elevation)
+        c_ne = earth.north_east_down(*place[:2])
+        sine, azimuth = sight.sky(unit_e @ c_ne.T)
+        velocity_e = flight["velocity_n"][k] @ c_ne
+        delay = klobuchar.delay(*place[:2], np.arcsin(sine), azimuth, now, ALPHA, BETA)
+        delay = delay + saastamoinen.slant(sum(saastamoinen.zenith(place[0], place[2])), sine)
         pseudorange[k, : len(SKY)] = distance + delay + CLOCK + 0.5 * rng.standard_normal(len(SKY))
         rate[k, : len(SKY)] = -unit_e @ velocity_e + 0.02 * rng.standard_normal(len(SKY))
     pseudorange[time >= FAULT, WRONG] += STEP

@@ -131,7 +131,7 @@ class Gps(Jamming, Component):
             earth.north_east_down(self.latitude, self.longitude),
             lambda unit_n: antenna.gain(antenna.direction(unit_n, c_nb)[1]),
         )
-        alone = self.signal_strength + signal_power.NOISE_DENSITY
+        alone = signal_power.ratio(self.signal_strength + signal_power.NOISE_DENSITY)
         strength = signal_power.carrier_to_noise(alone, interference, signal_power.NOISE_DENSITY, self.jammer_spread)
         heard = np.logical_not(self.jammed | self._within_region())
         strong = heard & (strength >= signal_power.ratio(self.acquisition_threshold))

@@ -35,8 +35,8 @@ from navfmu.export import Component, Example, Grid, Input, Output, Parameter, St
 from navfmu.repetition import repeat
 
 SATELLITES = 32
-LOWEST = float(np.radians(2.0))
-"""Elevation below which delays grow no more."""
+LOWEST = float(np.sin(np.radians(2.0)))
+"""Sine of the elevation below which delays grow no more."""
 
 
 class GpsSignals(Jamming, Component):
@@ -256,13 +256,13 @@ class GpsSignals(Jamming, Component):
         distance = SPEED_OF_LIGHT * travel
         unit_e = (sight.turned(satellite, travel) - position_e) / distance[:, None]
         unit_n = unit_e @ c_ne.T
-        elevation = np.arcsin(np.clip(-unit_n[:, 2], -1.0, 1.0))
-        azimuth = np.arctan2(unit_n[:, 1], unit_n[:, 0])
+        sine, azimuth = sight.sky(unit_n)
+        elevation = np.arcsin(sine)
         up = finite & usable & (number > 0) & (elevation >= self.elevation_mask)
 
         # what is received of it, and whether it is followed
         c_nb = self._c_nb()
-        power = signal_power.of_satellite(distance, self.signal_margin) + self._gain(unit_n, c_nb)
+        power = signal_power.of_satellite(distance, self.signal_margin + self._gain(unit_n, c_nb))
         interference = self._interference(c_ne, lambda unit_n: self._gain(unit_n, c_nb))
         ratio = signal_power.carrier_to_noise(power, interference, self.noise_density, self.jammer_spread)
         silent = self._by_number(self.satellite_off, number) > 0.0
@@ -302,7 +302,7 @@ class GpsSignals(Jamming, Component):
         self.clock_bias = self.bias + known(self.clock_jump, 0.0)
         self.clock_drift = self.drift + felt
         latitude, longitude, altitude = self._place()
-        low = np.maximum(elevation, LOWEST)
+        low = np.maximum(sine, LOWEST)
         scale = self.ionosphere_scale * np.maximum(1.0 + self.ionosphere_sigma * self.common[0], 0.0)
         ionosphere = scale * klobuchar.delay(
             latitude, longitude, elevation, azimuth, second, self.ionosphere_alpha, self.ionosphere_beta
@@ -393,7 +393,7 @@ class GpsSignals(Jamming, Component):
     def _by_number(self, values, number):
         """Of a value for each PRN that of the satellites in each place, 0 where none is."""
         prn = np.arange(1, SATELLITES + 1)
-        return np.sum(np.where(number[:, None] == prn, values, 0.0), axis=1)
+        return np.sum(np.where(number == prn[:, None], values[:, None], 0.0), axis=0)
 
     def _wander(self, value, time_constant, normal):
         phi = gauss_markov.decay(self.period, time_constant)

@@ -193,41 +193,42 @@ class GpsSolver(Component):
             self._rows(tracked, 1.0),
             np.where(known, 1, solution.SETTLING),
         )
-        elevation, azimuth = solution.sky(place, satellite_e)
-        delay, slant = self._delays(place, elevation, azimuth)
+        geodetic = earth.from_ecef(place)
+        unit_n = solution.directions(place, geodetic, satellite_e)
+        sine, azimuth = sight.sky(unit_n)
+        elevation = np.arcsin(sine)
+        delay, slant = self._delays(geodetic, sine, elevation, azimuth)
         measured = measured._replace(
             values=np.concatenate([np.where(tracked, clean - delay, 0.0), height]), slant=np.where(tracked, slant, 0.0)
         )
 
         seen = self._rows(tracked & (elevation >= self.elevation_mask), 1.0)
-        found = solution.solution(place, clock, measured, seen)
-        kept = solution.choose(found.h, seen, self.channels)
+        kept = solution.choose(least_squares.design(unit_n), seen, self.channels)
         remains = np.where(s.correction_sigma > 0.0, s.correction_sigma, self.differential_sigma)
-        weight = solution.weights(kept[:-1] > 0.0, elevation, delay, s.accuracy, s.corrected, remains, self.equal_sigma)
+        weight = solution.weights(kept[:-1] > 0.0, sine, delay, s.accuracy, s.corrected, remains, self.equal_sigma)
         weight = self._rows(weight, self.altitude_sigma**-2)
         place, clock = solution.approach(place, clock, measured, weight, 2)
         found = solution.solution(place, clock, measured, weight)
         detected = solution.alarmed(found, weight, self.thresholds)
         self.squares, self.detected = found.squares(weight), detected
         self.threshold = solution.of_freedom(self.thresholds, weight)
-        place, clock, left = solution.exclude(
-            place, clock, measured, weight, self.thresholds, np.where(detected, self.exclusions, 0)
+        place, clock, found, left = solution.exclude(
+            place, clock, found, measured, weight, self.thresholds, np.where(detected, self.exclusions, 0)
         )
-        found = solution.solution(place, clock, measured, left)
         self._tell(found, place, clock, left, satellite_e)
         self.excluded = (weight[:-1] > 0.0) & (left[:-1] <= 0.0)
         self.residual = np.where(tracked, found.residual[:-1], 0.0)
         self.elevation = np.where(tracked, elevation, 0.0)
-        self.azimuth = np.where(tracked, azimuth, 0.0)
+        self.azimuth = np.where(tracked, np.arctan2(unit_n[:, 1], unit_n[:, 0]), 0.0)
 
-    def _delays(self, place, elevation, azimuth):
+    def _delays(self, geodetic, sine, elevation, azimuth):
         """Delay of the ionosphere, m, and of the troposphere, over that at the zenith."""
         s = self.signals
         of_ionosphere = solution.ionosphere(
-            place, elevation, azimuth, s.seconds, self.ionosphere_alpha, self.ionosphere_beta
+            geodetic, elevation, azimuth, s.seconds, self.ionosphere_alpha, self.ionosphere_beta
         )
         of_troposphere = solution.troposphere(
-            place, elevation, solution.day_of_year(s.week, s.seconds), self.troposphere, self.humidity
+            geodetic, sine, solution.day_of_year(s.week, s.seconds), self.troposphere, self.humidity
         )
         modelled = np.logical_not(s.corrected)
         return (

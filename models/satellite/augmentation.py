@@ -27,21 +27,20 @@ HORIZONTAL, VERTICAL = 6.0, 5.33
 """Sigmas of the protection levels in a precision approach, J.2.1: 1e-7 of an approach, one and two directions."""
 
 
-def obliquity(elevation):
-    """F_pp: path through the ionosphere over that at the zenith."""
-    across = RADIUS / (RADIUS + HEIGHT) * np.cos(elevation)
-    return 1.0 / np.sqrt(1.0 - across * across)
+def obliquity(sine):
+    """F_pp: path through the ionosphere over that at the zenith, by the sine of the elevation."""
+    across = RADIUS / (RADIUS + HEIGHT)
+    return 1.0 / np.sqrt(1.0 - across * across * (1.0 - sine * sine))
 
 
-def troposphere(elevation):
+def troposphere(sine):
     """m(E): the same through the troposphere, A.4.2.4."""
-    sine = np.sin(elevation)
     return 1.001 / np.sqrt(0.002001 + sine * sine)
 
 
-def sigma(elevation, udre_sigma, give_sigma):
+def sigma(sine, udre_sigma, give_sigma):
     """Standard deviation of what corrections leave, as told, m: J.1 without the receiver's own part."""
-    ionosphere, air = obliquity(elevation) * give_sigma, TROPOSPHERE * troposphere(elevation)
+    ionosphere, air = obliquity(sine) * give_sigma, TROPOSPHERE * troposphere(sine)
     return np.sqrt(udre_sigma * udre_sigma + ionosphere * ionosphere + air * air)
 
 

@@ -10,7 +10,7 @@ rad after two for e up to 0.05 (GPS has up to 0.03), 5e-14 for 0.1, which is as 
 
 
 def eccentric_anomaly(mean_anomaly, eccentricity):
-    """Sine and cosine of E of M = E - e sin E, rad: IS-GPS-200 table 20-IV, by Newton's method for E - M from e sin M."""
+    """Sine and cosine of E of M = E - e sin E, rad: IS-GPS-200 table 20-IV, by Newton's method for E - M."""
     mean = sines.of(mean_anomaly)
     ahead = eccentricity * mean[0]
     for _ in range(STEPS):

@@ -24,20 +24,23 @@ def delay(latitude, longitude, elevation, azimuth, seconds, alpha, beta):
     ----------
     latitude, longitude
         Of the receiver, rad.
-    elevation, azimuth
+    elevation
         Of the satellites, rad, any shape.
+    azimuth
+        Its sine and cosine, from north over east.
     seconds
         GPS time, s, of the week or of the day.
     alpha, beta
         Four coefficients each: amplitude in s and period in s, by powers of the geomagnetic latitude in semicircles.
     """
     e = np.maximum(elevation, 0.0) / np.pi
-    psi = 0.0137 / (e + 0.11) - 0.022
-    phi_i = np.clip(latitude / np.pi + psi * np.cos(azimuth), -0.416, 0.416)
-    lambda_i = longitude / np.pi + psi * np.sin(azimuth) / np.cos(phi_i * np.pi)
+    (sine, cosine), psi = azimuth, 0.0137 / (e + 0.11) - 0.022
+    phi_i = np.clip(latitude / np.pi + psi * cosine, -0.416, 0.416)
+    lambda_i = longitude / np.pi + psi * sine / np.cos(phi_i * np.pi)
     phi_m = phi_i + 0.064 * np.cos((lambda_i - 1.617) * np.pi)
     t = np.mod(43200.0 * lambda_i + seconds, DAY)
-    obliquity = 1.0 + 16.0 * (0.53 - e) ** 3
+    low = 0.53 - e
+    obliquity = 1.0 + 16.0 * low * low * low
     amplitude = np.maximum(polynomial(alpha, phi_m), 0.0)
     period = np.maximum(polynomial(beta, phi_m), 72000.0)
     x = 2.0 * np.pi * (t - 50400.0) / period

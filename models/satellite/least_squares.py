@@ -45,12 +45,28 @@ thousand."""
 def covariance(h, weight):
     """(H' W H)^-1, shape (4, 4), of rows ``h`` with the diagonal ``weight`` of W; zeros where it has no inverse.
 
-    Then nothing moves by an :func:`estimate`, and there is no dilution of precision.
+    Then nothing moves by an :func:`estimate`, and there is no dilution of precision. The inverse is that of blocks of
+    north and east, and of down and clock.
     """
     normal = h.T @ (weight[:, None] * h)
-    sizes = np.prod(np.diagonal(normal))
-    solvable = np.logical_and(np.sum(weight > 0.0) > 3.5, np.linalg.det(normal) > SINGULAR * sizes)
-    return np.where(solvable, np.linalg.inv(np.where(solvable, normal, np.eye(4))), 0.0)
+    level, across, rest = normal[:2, :2], normal[:2, 2:], normal[2:, 2:]
+    level, level_size = _inverse(level)
+    taken = level @ across
+    rest, rest_size = _inverse(rest - across.T @ taken)
+    sizes = normal[0, 0] * normal[1, 1] * normal[2, 2] * normal[3, 3]
+    solvable = np.logical_and(np.sum(weight > 0.0) > 3.5, level_size * rest_size > SINGULAR * sizes)
+    between = -taken @ rest
+    p = np.concatenate(
+        [np.concatenate([level - between @ taken.T, between], axis=1), np.concatenate([between.T, rest], axis=1)]
+    )
+    return np.where(solvable, p, 0.0)
+
+
+def _inverse(two):
+    """Inverse of a symmetric matrix (2, 2), of zeros where it has none, and its determinant."""
+    size = two[0, 0] * two[1, 1] - two[1, 0] * two[1, 0]
+    turned = np.array([[two[1, 1], -two[1, 0]], [-two[1, 0], two[0, 0]]])
+    return np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0) * turned, size
 
 
 def estimate(p, h, weight, misfit):

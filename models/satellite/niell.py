@@ -33,13 +33,13 @@ def fraction(sine, a, b, c):
     return (1.0 + a / (1.0 + b / (1.0 + c))) / (sine + a / (sine + b / (sine + c)))
 
 
-def mapping(day, latitude, altitude, elevation):
+def mapping(day, latitude, altitude, sine):
     """Hydrostatic and wet mapping function.
 
-    ``day`` of the year; ``latitude`` and ``elevation`` rad; ``altitude`` m above the sea, for which the height above
-    the ellipsoid does.
+    ``day`` of the year; ``latitude`` rad; ``altitude`` m above the sea, for which the height above the ellipsoid does;
+    ``sine`` of the elevation.
     """
-    degrees, sine = np.abs(np.degrees(latitude)), np.sin(elevation)
+    degrees = np.abs(np.degrees(latitude))
     year = np.cos(2.0 * np.pi * ((day - 28.0) / 365.25 + np.where(latitude < 0.0, 0.5, 0.0)))
     hydrostatic = [
         np.interp(degrees, DEGREES, mean) - year * np.interp(degrees, DEGREES, size)

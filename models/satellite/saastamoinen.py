@@ -25,6 +25,6 @@ def zenith(latitude, altitude, humidity=HUMIDITY):
     return hydrostatic, 0.002277 * (1255.0 / temperature + 0.05) * vapour
 
 
-def slant(zenith_delay, elevation):
-    """Delay along a line of sight by the cosecant of its elevation, that of the flat earth."""
-    return zenith_delay / np.sin(elevation)
+def slant(zenith_delay, sine):
+    """Delay along a line of sight by the cosecant of its elevation, that of the flat earth; its ``sine`` is given."""
+    return zenith_delay / sine

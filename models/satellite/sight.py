@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.earth import earth
 from models.satellite.orbit import EARTH_RATE
 from navfmu.constants import SPEED_OF_LIGHT
 
@@ -35,7 +34,7 @@ def ranges(position_e, satellite_e):
     """
     line = turned(satellite_e, travel_time(position_e, satellite_e)) - position_e
     distance = np.sqrt(np.sum(line * line, axis=1))
-    return distance, line / distance[:, None]
+    return distance, line * (1.0 / distance)[:, None]
 
 
 def range_rates(unit_e, position_e, velocity_e, satellite_velocity_e):
@@ -51,7 +50,11 @@ def range_rates(unit_e, position_e, velocity_e, satellite_velocity_e):
     return (away - own) / (1.0 + (away + turning) / SPEED_OF_LIGHT)
 
 
-def elevation_azimuth(unit_e, latitude, longitude):
-    """Elevation and azimuth (from north over east) of unit vectors, rad."""
-    unit_n = unit_e @ earth.north_east_down(latitude, longitude).T
-    return np.arcsin(np.clip(-unit_n[:, 2], -1.0, 1.0)), np.arctan2(unit_n[:, 1], unit_n[:, 0])
+def sky(unit_n):
+    """Sine of the elevation, and sine and cosine of the azimuth (from north over east), of unit vectors in n.
+
+    Straight above there is no azimuth, and both are zero.
+    """
+    north, east = unit_n[:, 0], unit_n[:, 1]
+    along = 1.0 / np.maximum(np.sqrt(north * north + east * east), 1e-12)
+    return np.clip(-unit_n[:, 2], -1.0, 1.0), (east * along, north * along)

@@ -36,17 +36,18 @@ def free_space_loss(distance):
     return 2.0 * decibel(4.0 * np.pi / WAVELENGTH * distance)
 
 
-def of_satellite(distance, margin):
-    """Power at an isotropic antenna, dBW, ``margin`` dB above the least guaranteed one."""
-    return LEAST_POWER - LEAST_GAIN + margin - 2.0 * decibel(distance / FARTHEST)
+def of_satellite(distance, gain):
+    """Power of the weakest guaranteed satellite behind an antenna with a ``gain`` in dB, W."""
+    share = FARTHEST / distance
+    return ratio(LEAST_POWER - LEAST_GAIN + gain) * share * share
 
 
 def of_jammer(power, distance):
-    """The same of a jammer that radiates ``power`` W; a power of 0 is -300 dBW."""
+    """Power of a jammer that radiates ``power`` W at an isotropic antenna, dBW; a power of 0 is -300 dBW."""
     return decibel(np.maximum(power, 1e-30)) - free_space_loss(np.maximum(distance, 1.0))
 
 
 def carrier_to_noise(signal, interference, noise_density, spread):
-    """C/N0, a ratio, of a signal (dBW) beside an ``interference`` (W), with ``spread`` Q."""
+    """C/N0, a ratio, of a signal (W) beside an ``interference`` (W), with ``spread`` Q."""
     noise = ratio(noise_density) + interference / (spread * CHIP_RATE)
-    return ratio(signal) / noise
+    return signal / noise

@@ -16,29 +16,30 @@ COSECANT, NIELL = 1, 2
 """Mapping functions of the troposphere."""
 LOWEST = float(np.radians(1.0))
 """Delays are those of this elevation for what is lower, rad."""
+LOWEST_SINE = float(np.sin(LOWEST))
 
 
-def ionosphere(position_e, elevation, azimuth, seconds, alpha, beta):
-    """Klobuchar's delay of satellites in the sky (rad) above a place that is known to some km, m."""
-    latitude, longitude, _ = earth.from_ecef(position_e)
+def ionosphere(geodetic, elevation, azimuth, seconds, alpha, beta):
+    """Klobuchar's delay above a place that is known to some km, m; arguments as there."""
+    latitude, longitude, _ = geodetic
     return klobuchar.delay(latitude, longitude, np.maximum(elevation, LOWEST), azimuth, seconds, alpha, beta)
 
 
-def troposphere(position_e, elevation, day, mapping, humidity):
+def troposphere(geodetic, sine, day, mapping, humidity):
     """The troposphere's delay over that at the zenith; ``mapping`` is COSECANT, NIELL, or another number for none."""
-    latitude, _, altitude = earth.from_ecef(position_e)
-    seen = np.maximum(elevation, LOWEST)
+    latitude, _, altitude = geodetic
+    seen = np.maximum(sine, LOWEST_SINE)
     hydrostatic, wet = saastamoinen.zenith(latitude, altitude, humidity)
     of_hydrostatic, of_wet = niell.mapping(day, latitude, altitude, seen)
     by_niell = (of_hydrostatic * hydrostatic + of_wet * wet) / (hydrostatic + wet)
     return np.where(mapping == NIELL, by_niell, np.where(mapping == COSECANT, saastamoinen.slant(1.0, seen), 0.0))
 
 
-def sky(position_e, satellite_e):
-    """Elevation and azimuth of satellites, rad."""
-    latitude, longitude, _ = earth.from_ecef(position_e)
+def directions(position_e, geodetic, satellite_e):
+    """Unit vectors to satellites in n, rows of three."""
+    latitude, longitude, _ = geodetic
     _, unit_e = sight.ranges(position_e, satellite_e)
-    return sight.elevation_azimuth(unit_e, latitude, longitude)
+    return unit_e @ earth.north_east_down(latitude, longitude).T
 
 
 def approach(position_e, clock, measured, weight, count):
@@ -102,22 +103,25 @@ def alarmed(found, weight, thresholds):
     return np.logical_and(freedom(weight) > 0.5, found.squares(weight) > of_freedom(thresholds, weight))
 
 
-def exclude(position_e, clock, measured, weight, thresholds, most):
-    """Position, clock and weights after rows were left out, one by one, until there is no alarm, or ``most`` are.
+def exclude(position_e, clock, found, measured, weight, thresholds, most):
+    """Position, clock, solution and weights after rows were left out, one by one, until there is no alarm, or ``most``
+    are. It begins at a position where all is ``found``.
 
     Left out is the row without which the sum of squares is least. With one degree of freedom it is the same for all,
     and none is left out.
     """
 
     def without_one(value):
-        position_e, clock, weight = value
-        found = solution(position_e, clock, measured, weight)
+        position_e, clock, weight, *found = value
+        found = Solution(*found)
         tested = raim.standardised(found.residual, weight, raim.redundancy(found.p, found.h, weight))
         wrong = np.logical_and(alarmed(found, weight, thresholds), freedom(weight) > 1.5)
         weight = np.where(np.logical_and(wrong, dilution.least(-tested, weight > 0.0)), 0.0, weight)
-        return *approach(position_e, clock, measured, weight, 2), weight
+        position_e, clock = approach(position_e, clock, measured, weight, 2)
+        return position_e, clock, weight, *solution(position_e, clock, measured, weight)
 
-    return repeat(without_one, (position_e, clock, weight), most, 4)
+    position_e, clock, weight, *found = repeat(without_one, (position_e, clock, weight, *found), most, 4)
+    return position_e, clock, Solution(*found), weight
 
 
 def day_of_year(week, seconds):
@@ -125,13 +129,13 @@ def day_of_year(week, seconds):
     return np.mod(5.0 + 7.0 * week + seconds / 86400.0, 365.25) + 1.0
 
 
-def weights(seen, elevation, ionosphere, accuracy, corrected, correction_sigma, equal_sigma):
+def weights(seen, sine, ionosphere, accuracy, corrected, correction_sigma, equal_sigma):
     """1 / variance of the satellites that are used, 0 of the others.
 
     With corrections the receiver's own part and what they leave, ``correction_sigma``; with ``equal_sigma`` above 0
     that for all.
     """
-    low = np.maximum(elevation, LOWEST)
+    low = np.maximum(sine, LOWEST_SINE)
     by_model = np.where(
         corrected,
         variance.code(low) + correction_sigma * correction_sigma,

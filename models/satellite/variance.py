@@ -30,13 +30,14 @@ def bound(accuracy):
     return upper
 
 
-def pseudorange(elevation, accuracy, ionosphere):
-    """Variance, m2, of ranges with the satellites' user range accuracy (m) and the delay of the ionosphere (m)."""
-    sine, accuracy = np.sin(elevation), bound(accuracy)
+def pseudorange(sine, accuracy, ionosphere):
+    """Variance, m2, of ranges by the ``sine`` of the elevation, the satellites' user range accuracy (m) and the delay
+    of the ionosphere (m)."""
+    accuracy = bound(accuracy)
     left = (IONOSPHERE * ionosphere) ** 2 + (TROPOSPHERE / (sine + 0.1)) ** 2
-    return code(elevation) + accuracy * accuracy + BIAS * BIAS + left
+    return code(sine) + accuracy * accuracy + BIAS * BIAS + left
 
 
-def code(elevation):
+def code(sine):
     """Variance of the receiver's own part, m2: what differential corrections leave."""
-    return CODE * CODE * (1.0 + 1.0 / np.sin(elevation))
+    return CODE * CODE * (1.0 + 1.0 / sine)

@@ -24,7 +24,7 @@ def test_obliquity_is_that_of_a_ray_through_a_shell():
         ray = np.array([np.cos(e), np.sin(e)])
         up = radius * ray[1]
         there = np.array([0.0, radius]) + (np.sqrt(up * up + (radius + 350e3) ** 2 - radius**2) - up) * ray
-        assert augmentation.obliquity(e) == pytest.approx(1.0 / (ray @ there / np.linalg.norm(there)), rel=1e-12)
+        assert augmentation.obliquity(np.sin(e)) == pytest.approx(1.0 / (ray @ there / np.linalg.norm(there)), rel=1e-12)
 
 
 def test_bounds_are_those_of_the_indices_of_messages():
@@ -32,7 +32,7 @@ def test_bounds_are_those_of_the_indices_of_messages():
     assert (augmentation.UDRE / augmentation.BOUND) ** 2 == pytest.approx(0.8315, abs=5e-5)
     assert (augmentation.GIVE / augmentation.BOUND) ** 2 == pytest.approx(0.8315, abs=5e-5)
     zenith = np.sqrt(2.0 * 0.8315 + 0.12**2)
-    assert augmentation.sigma(np.pi / 2, 3.0 / 3.29, 3.0 / 3.29) == pytest.approx(zenith, rel=1e-4)
+    assert augmentation.sigma(1.0, 3.0 / 3.29, 3.0 / 3.29) == pytest.approx(zenith, rel=1e-4)
 
 
 def test_protection_levels_hold_in_the_worst_direction():
@@ -66,7 +66,7 @@ def test_corrections_leave_the_share_that_was_asked_for(receiving):
         left = run["signals.pseudorange"][-1] + run["signals.correction"][-1] - expected
         told = run["signals.correction_sigma"][-1]
         assert np.all(run["signals.corrected"][-1][seen] == 1.0) and np.all(told[seen] > 1.0)
-        without_air = told[seen] ** 2 - (0.12 * augmentation.troposphere(elevation[seen])) ** 2
+        without_air = told[seen] ** 2 - (0.12 * augmentation.troposphere(np.sin(elevation[seen]))) ** 2
         squares.append(np.mean((left[seen] / 0.3) ** 2 / without_air))
     low, high = stats.chi2.ppf([RISE / 2, 1 - RISE / 2], len(squares)) / len(squares)
     assert low < np.mean(squares) < high

@@ -39,7 +39,8 @@ def test_a_jammer_takes_a_signal_down_to_a_threshold_where_the_closed_form_says(
     for spread, told in ((1.0, 32.0), (2.0, 35.0)):
         over = 10.0 * np.log10(spread * 1.023e6 * (10**-2.8 - 10**-4.5))
         assert over == pytest.approx(told, abs=0.05)
-        found = signal_power.carrier_to_noise(signal, 10.0 ** ((signal + over) / 10.0), density, spread)
+        power = 10.0 ** (signal / 10.0)
+        found = signal_power.carrier_to_noise(power, power * 10.0 ** (over / 10.0), density, spread)
         assert 10.0 * np.log10(found) == pytest.approx(28.0, abs=1e-9)
 
 
