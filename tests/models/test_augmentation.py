@@ -24,7 +24,8 @@ def test_obliquity_is_that_of_a_ray_through_a_shell():
         ray = np.array([np.cos(e), np.sin(e)])
         up = radius * ray[1]
         there = np.array([0.0, radius]) + (np.sqrt(up * up + (radius + 350e3) ** 2 - radius**2) - up) * ray
-        assert augmentation.obliquity(np.sin(e)) == pytest.approx(1.0 / (ray @ there / np.linalg.norm(there)), rel=1e-12)
+        longer = np.linalg.norm(there) / (ray @ there)
+        assert augmentation.obliquity(np.sin(e)) == pytest.approx(longer, rel=1e-12)
 
 
 def test_bounds_are_those_of_the_indices_of_messages():
