@@ -30,7 +30,7 @@ from models.satellite import (
     tracking,
 )
 from models.satellite.ephemeris import COLUMNS, Ephemeris
-from navfmu.constants import SPEED_OF_LIGHT
+from navfmu.constants import SPEED_OF_LIGHT, STANDARD_GRAVITY
 from navfmu.export import Component, Example, Grid, Input, Output, Parameter, State, Table, every, require, start
 from navfmu.repetition import repeat
 
@@ -57,7 +57,9 @@ class GpsSignals(Jamming, Component):
     stands upright on the roof: a bank hides satellites) and noise with that of jammers, whose power falls with the
     square of the distance and ends at their radio horizon. Code and phase noise are those of loops (`loop_bandwidth`
     ...). A satellite is lost below the C/N0 at which `lock_sigmas` of the code's noise are half the spacing, but not
-    less than `carrier_threshold`, and found again once it has been above `acquisition_threshold` for
+    less than `carrier_threshold`, or while three sigmas of the carrier's phase and what it stays behind acceleration
+    (`loop_order` second) or jerk (third) of `specific_force` are above 45 degrees, and, with `slips`, at Viterbi's rate
+    of cycle slips; and found again once it has been above `acquisition_threshold` for
     `acquisition_time` (RTO MP-43, Sabatini: 20 s). Each `search_period` satellites that have come above
     `elevation_mask` are given places, while one of `channels` is free, and keep them until they set.
 
@@ -125,6 +127,13 @@ class GpsSignals(Jamming, Component):
     detection_bandwidth = Parameter("Hz", start=50.0, min=1.0, max=1e3, description="before detection: 1 / time")
     spacing = Parameter("1", start=0.5, min=0.02, max=1.5, description="of early and late, chips")
     phase_bandwidth = Parameter("Hz", start=10.0, min=0.1, max=100.0, description="of the carrier loop")
+    loop_order = Parameter(
+        kind="enumeration",
+        start=tracking.THIRD,
+        items=("second", "third"),
+        description="of the carrier loop: a second one is held up by acceleration, a third one by jerk",
+    )
+    slips = Parameter(kind="boolean", start=False, description="whether noise makes carrier loops slip, at a rate")
     rate_interval = Parameter("s", start=0.1, min=1e-3, max=10.0, description="between phases that make a range rate")
     lock_sigmas = Parameter("1", start=3.0, min=0.5, max=10.0, description="sigmas within half the spacing")
     carrier_threshold = Parameter("1", start=25.0, description="least C/N0 of the carrier loop, dB-Hz")
@@ -195,6 +204,7 @@ class GpsSignals(Jamming, Component):
     reflected = State(PLACES, "1", description="multipath, over its sigma")
     common = State(2, "1", description="error of ionosphere and troposphere, over their sigmas")
     unheard = State("s", start=augmentation.NEVER, description="since when no corrections have been received")
+    felt_n = State(3, "m/s2", description="specific force at the last measurement, n")
     run_away = State(SATELLITES, "m", description="by range_ramp")
     bias = State("s", description="of the clock without a jump")
     drift = State("1", description="rate of it without acceleration")
@@ -268,15 +278,17 @@ class GpsSignals(Jamming, Component):
         silent = self._by_number(self.satellite_off, number) > 0.0
         heard = up & np.logical_not(silent | self.jammed | self._within_region())
         strong = heard & (ratio >= signal_power.ratio(self.acquisition_threshold))
-        holding = heard & (ratio >= self.least)
+        normal, shared = np.reshape(noise(4 * PLACES), (4, PLACES)), noise(4)
+        phase = tracking.phase_sigma(ratio, self.phase_bandwidth, self.detection_bandwidth)
+        steady = tracking.holds(phase, unit_n @ self._lag(c_nb)) & np.logical_not(self._slipped(phase, normal[2:]))
+        strong = strong & steady
+        holding = heard & (ratio >= self.least) & steady
         tracked, self.strong_for = tracking.locked(
             self.signals.tracked, self.strong_for, strong, holding, self.period, self.acquisition_time
         )
         ratio = np.where(tracked, ratio, 1e4)
 
         # what is wrong with it
-        normal = np.reshape(noise(4 * PLACES), (4, PLACES))
-        shared = noise(4)
         self.own = self._wander(self.own, self.own_time, normal[0])
         self.reflected = self._wander(self.reflected, self.multipath_time, normal[1])
         self.common = np.stack(
@@ -291,7 +303,7 @@ class GpsSignals(Jamming, Component):
         own = ageing.sigma(self.own_sigma, self.upload_age) * (1.0 + known(self.accuracy_lie, 0.0)) * self.own
         sigma = tracking.code_sigma(ratio, self.loop_bandwidth, self.detection_bandwidth, self.spacing)
         error = own + wrong + self.multipath_scale * multipath.sigma(elevation) * self.reflected + sigma * normal[2]
-        rate_sigma = tracking.rate_sigma(ratio, self.phase_bandwidth, self.detection_bandwidth, self.rate_interval)
+        rate_sigma = tracking.rate_sigma(phase, self.rate_interval)
         rate_error = self._by_number(known(self.range_ramp, 0.0), number) + rate_sigma * normal[3]
 
         # the clock, and what the air adds
@@ -352,6 +364,27 @@ class GpsSignals(Jamming, Component):
             return np.where(tracked, correction, 0.0), np.where(tracked, augmentation.sigma(low, udre, give), 0.0)
 
         return repeat(corrected, (np.zeros(PLACES), np.zeros(PLACES)), np.where(self.augmented, 1, 0), 1)
+
+    def _lag(self, c_nb):
+        """By how much the phase of a satellite towards north, east and down stays behind, rad, each.
+
+        Acceleration and jerk are those of the specific force now and one period ago.
+        """
+        felt_n = c_nb @ known(self.specific_force, 0.0)
+        jerk = np.where(self.signals.sequence > 0, (felt_n - self.felt_n) / self.period, 0.0)
+        self.felt_n = felt_n
+        acceleration = felt_n + np.array([0.0, 0.0, STANDARD_GRAVITY])
+        return tracking.lag(self.loop_order, acceleration, jerk, self.phase_bandwidth)
+
+    def _slipped(self, phase, normal):
+        """Whether noise has made the loop slip: half the square of two normal numbers is below x with the chance
+        1 - exp(-x). They are those of the noise of what is then not measured."""
+
+        def by_chance(_):
+            chance = self.period * tracking.slip_rate(phase, self.phase_bandwidth)
+            return 0.5 * np.sum(normal * normal, axis=0) < chance
+
+        return repeat(by_chance, np.zeros(PLACES) > 0.0, np.where(self.slips, 1, 0), 1)
 
     def _now(self):
         return gps_time.normal(self.start_week, self.start_seconds + self.time)
