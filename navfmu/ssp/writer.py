@@ -15,7 +15,7 @@ connected inputs or outputs, the same unit at both ends, and one parameter set f
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -42,6 +42,7 @@ class _Variant:
     stop_time: float | None
     step: float | None
     components: dict[str, Path] = field(default_factory=dict)
+    connections: dict[tuple[str, str], tuple[str, str]] = field(default_factory=dict)  # input -> output
     values: dict[str, dict[str, Any]] = field(default_factory=dict)  # component -> variable -> value
     set_names: dict[str, str] = field(default_factory=dict)  # component -> file name of its parameter set
 
@@ -65,39 +66,23 @@ class SystemSource:
         self.folder = Path(fmus)
         self._base = _Variant(description, stop_time, step)
         self._variants: dict[str, _Variant] = {}
-        self._connections: list[tuple[str, str, str, str]] = []
         self._extra: dict[str, bytes] = {}
         self._descriptions: dict[Path, Description] = {}
 
     def component(self, name: str, fmu: str | Path) -> SystemSource:
         """Add an instance of an FMU; the order of components is the order in the document."""
-        if not name or "." in name:
-            raise NavfmuError(f"{self.name}: component name '{name}' must not be empty or contain a dot")
-        _check_text(f"{self.name}: component", name)
         if name in self._base.components:
             raise NavfmuError(f"{self.name}: there are two components named '{name}'")
-        self._base.components[name] = self._file(fmu)
-        self._describe(self._base.components[name])
+        self._add(self._base, name, fmu)
         return self
 
     def connect(self, start: str, end: str) -> SystemSource:
         """Connect an output to an input; arrays element by element, bundles by the names of the input's members."""
         where = f"{self.name}: connection '{start}' -> '{end}'"
-        source, output = self._split(start, where)
-        target, input_ = self._split(end, where)
-        outputs = members(self._of(source), output, {"output"}, where)
-        inputs = members(self._of(target), input_, {"input"}, where)
-        for suffix, variable in inputs.items():
-            other = outputs.get(suffix)
-            if other is None:
-                has = ", ".join(s or output for s in outputs)
-                raise NavfmuError(f"{where}: '{start}' has no '{suffix.lstrip('.') or end}'; it has: {has}")
-            _check_pair(other, variable, where)
-            if any(c[2:] == (target, variable.name) for c in self._connections):
-                raise NavfmuError(f"{where}: input '{target}.{variable.name}' is connected already")
-            self._connections.append((source, other.name, target, variable.name))
-        if all(map(is_element, inputs)) and len(outputs) != len(inputs):
-            raise NavfmuError(f"{where}: the output has {len(outputs)} elements, the input {len(inputs)}")
+        for input_, output in self._pairs(start, end, self._base.components, where).items():
+            if input_ in self._base.connections:
+                raise NavfmuError(f"{where}: input '{'.'.join(input_)}' is connected already")
+            self._base.connections[input_] = output
         return self
 
     def parameters(
@@ -110,7 +95,9 @@ class SystemSource:
         """
         if isinstance(values, str | Path):
             name = name or Path(values).stem
-            values = {s.name: _in_own_unit(self._of(component), s) for s in read_parameters(values)}
+            values = {
+                s.name: _in_own_unit(self._of(component, self._base.components), s) for s in read_parameters(values)
+            }
         self._set(self._base, component, values, name)
         return self
 
@@ -121,23 +108,30 @@ class SystemSource:
         parameters: Mapping[str, Mapping[str, Any]] | None = None,
         sets: Mapping[str, str] | None = None,
         components: Mapping[str, str | Path] | None = None,
+        connections: Mapping[str, str] | None = None,
         description: str = "",
         stop_time: float | None = None,
         step: float | None = None,
     ) -> SystemSource:
-        """Add a sibling system that differs in parameters (laid over the base's) or in the FMU of a component.
+        """Add a sibling system that differs in what is laid over the base: parameters, FMUs of components, connections.
 
-        ``sets`` names the file of a component's parameter set where ``component_variant`` does not say enough.
+        ``connections`` are outputs by the inputs that they feed, in the place of those of the base or beside them; with
+        them ``components`` may be new ones. ``sets`` names the file of a component's parameter set where
+        ``component_variant`` does not say enough.
         """
         _check_text(f"{self.name}: variant", name)
         _check_text(f"{self.name}: variant '{name}': description", description)
         if name in self._variants or f"{name}.ssd" == MAIN:
             raise NavfmuError(f"{self.name}: there are two variants named '{name}'")
         variant = _Variant(description, stop_time, step)
+        named = {end.partition(".")[0] for pair in (connections or {}).items() for end in pair}
         for component, fmu in (components or {}).items():
-            self._known(component)
-            variant.components[component] = self._file(fmu)
-            self._describe(variant.components[component])
+            if component not in named:
+                self._known(component, self._base.components)
+            self._add(variant, component, fmu)
+        for end, start in (connections or {}).items():
+            where = f"{self.name}: variant '{name}': connection '{start}' -> '{end}'"
+            variant.connections |= self._pairs(start, end, self._base.components | variant.components, where)
         for component, values in (parameters or {}).items():
             self._set(variant, component, values, (sets or {}).get(component) or f"{component}_{name}")
         self._variants[name] = variant
@@ -220,14 +214,39 @@ class SystemSource:
             self._descriptions[path] = describe(path)
         return self._descriptions[path]
 
-    def _known(self, component: str) -> None:
-        known = self._base.components
+    def _add(self, to: _Variant, name: str, fmu: str | Path) -> None:
+        if not name or "." in name:
+            raise NavfmuError(f"{self.name}: component name '{name}' must not be empty or contain a dot")
+        _check_text(f"{self.name}: component", name)
+        to.components[name] = self._file(fmu)
+        self._describe(to.components[name])
+
+    def _pairs(
+        self, start: str, end: str, components: Mapping[str, Path], where: str
+    ) -> dict[tuple[str, str], tuple[str, str]]:
+        """Outputs by the inputs that they feed, each (component, variable), of a connection of arrays or bundles."""
+        (source, output), (target, input_) = self._split(start, where), self._split(end, where)
+        outputs = members(self._of(source, components), output, {"output"}, where)
+        inputs = members(self._of(target, components), input_, {"input"}, where)
+        found = {}
+        for suffix, variable in inputs.items():
+            other = outputs.get(suffix)
+            if other is None:
+                has = ", ".join(s or output for s in outputs)
+                raise NavfmuError(f"{where}: '{start}' has no '{suffix.lstrip('.') or end}'; it has: {has}")
+            _check_pair(other, variable, where)
+            found[target, variable.name] = source, other.name
+        if all(map(is_element, inputs)) and len(outputs) != len(inputs):
+            raise NavfmuError(f"{where}: the output has {len(outputs)} elements, the input {len(inputs)}")
+        return found
+
+    def _known(self, component: str, known: Mapping[str, Path]) -> None:
         if component not in known:
             raise NavfmuError(f"{self.name}: there is no component '{component}'{nearest(component, known)}")
 
-    def _of(self, component: str, variant: str | None = None) -> Description:
-        self._known(component)
-        return self._describe(self._components(variant)[component])
+    def _of(self, component: str, components: Mapping[str, Path]) -> Description:
+        self._known(component, components)
+        return self._describe(components[component])
 
     def _split(self, name: str, where: str) -> tuple[str, str]:
         component, dot, variable = name.partition(".")
@@ -243,9 +262,8 @@ class SystemSource:
         return self._base.components | self._variants[variant].components
 
     def _set(self, variant: _Variant, component: str, values: Mapping[str, Any], name: str | None) -> None:
-        self._known(component)
-        path = variant.components.get(component) or self._base.components[component]
-        flat = expand(self._describe(path), values, f"{self.name}: {component}")
+        description = self._of(component, self._base.components | variant.components)
+        flat = expand(description, values, f"{self.name}: {component}")
         for key, value in flat.items():
             if isinstance(value, str):
                 _check_text(f"{self.name}: {component}: '{key}'", value)
@@ -264,14 +282,14 @@ class SystemSource:
         for component in components:
             values = self._base.values.get(component, {}) | special.values.get(component, {})
             if component in special.components:  # another FMU: what it does not know does not apply
-                known = self._of(component, variant).by_name
+                known = self._of(component, components).by_name
                 values = {key: value for key, value in values.items() if key in known}
             if values:
                 name = special.set_names.get(component) or self._base.set_names.get(component) or component
                 if component in special.components and component not in special.set_names:
                     name = f"{component}_{variant}"
                 bindings[component] = f"{RESOURCES}/{name}.ssv"
-                files[bindings[component]] = values_document(self._of(component, variant), values, name)
+                files[bindings[component]] = values_document(self._of(component, components), values, name)
         files[MAIN if variant is None else f"{variant}.ssd"] = self._system_document(variant, special, bindings)
         return files
 
@@ -290,13 +308,13 @@ class SystemSource:
             "  " + _open("ssd:System", name=self.name, description=special.description or self._base.description),
             "    <ssd:Elements>",
         ]
-        fed = {(target, name) for _, _, target, name in self._connections}
+        connections = self._base.connections | special.connections
         for component, path in self._components(variant).items():
-            lines += self._component(component, path, fed, bindings.get(component), units)
+            lines += self._component(component, path, connections.keys(), bindings.get(component), units)
         lines.append("    </ssd:Elements>")
-        if self._connections:
+        if connections:
             lines.append("    <ssd:Connections>")
-            for start, output, end, input_ in self._connections:
+            for (end, input_), (start, output) in connections.items():
                 self._check_still_there(variant, start, output, end, input_)
                 connection = {
                     "startElement": start, "startConnector": output, "endElement": end, "endConnector": input_
@@ -314,7 +332,7 @@ class SystemSource:
         return ("\n".join(lines) + "\n").encode()
 
     def _component(
-        self, name: str, path: Path, fed: set[tuple[str, str]], binding: str | None, units: dict[str, Unit]
+        self, name: str, path: Path, fed: Collection[tuple[str, str]], binding: str | None, units: dict[str, Unit]
     ) -> list[str]:
         description = self._describe(path)
         head = {
@@ -347,8 +365,8 @@ class SystemSource:
 
     def _check_still_there(self, variant: str | None, start: str, output: str, end: str, input_: str) -> None:
         where = f"{self.name}, variant {variant}: connection '{start}.{output}' -> '{end}.{input_}'"
-        source = self._of(start, variant).variable(output, where)
-        target = self._of(end, variant).variable(input_, where)
+        source = self._of(start, self._components(variant)).variable(output, where)
+        target = self._of(end, self._components(variant)).variable(input_, where)
         _check_pair(source, target, where)
 
 

@@ -92,6 +92,38 @@ def test_a_variant_lays_its_parameters_over_those_of_the_base(source):
     assert float(values["bias[2]"]) == pytest.approx(0.5235987755982988, rel=1e-15)
 
 
+def test_a_variant_lays_its_connections_over_those_of_the_base(source, tmp_path):
+    """A second sensor comes in and feeds the filter; what the base connects otherwise stays, also what it connects
+    later on, and the base knows nothing of it."""
+    source.variant(
+        "second",
+        components={"other": "sensor.fmu"},
+        connections={"filter.imu": "other.reading", "other.rate": "filter.rate"},
+        parameters={"other": {"seed": 3}},
+    )
+    source.connect("sensor.reading.temperature", "sensor.heater")
+    files = source.files()
+
+    def pairs(name):
+        return {
+            (f"{c.get('endElement')}.{c.get('endConnector')}", f"{c.get('startElement')}.{c.get('startConnector')}")
+            for c in find(files[name], ".//ssd:Connection")
+        }
+
+    members = ("rate[1]", "rate[2]", "rate[3]", "valid", "sequence", "time_of_validity")
+    expected = {(f"filter.imu.{m}", f"other.reading.{m}") for m in members}
+    expected |= {(f"{to}.rate[{i}]", f"filter.rate[{i}]") for i in (1, 2, 3) for to in ("sensor", "other")}
+    assert pairs("second.ssd") == expected | {("sensor.heater", "sensor.reading.temperature")}
+    assert not any("other" in end for pair in pairs("SystemStructure.ssd") for end in pair)
+    assert len(find(files["second.ssd"], ".//ssd:Component")) == 3
+    assert "resources/other_second.ssv" in files
+    (input_,) = (c for c in find(files["second.ssd"], ".//ssd:Component[@name='other']"))
+    kinds = [c.get("name") for c in input_.findall(".//ssd:Connector[@kind='input']", NAMESPACES)]
+    assert kinds == ["rate[1]", "rate[2]", "rate[3]"]
+    archive = zipfile.ZipFile(source.pack(tmp_path / "second.ssp", variant="second"))
+    assert len(find(archive.read("SystemStructure.ssd"), ".//ssd:Component")) == 3
+
+
 def test_the_same_calls_pack_to_the_same_bytes(source, tmp_path):
     first = source.pack(tmp_path / "a.ssp").read_bytes()
     assert source.pack(tmp_path / "b.ssp").read_bytes() == first
@@ -140,6 +172,13 @@ def test_writing_again_leaves_the_files_untouched(source, tmp_path):
         (lambda s: s.parameters("sensor", {}, name="a\x01"), "sensor: name of the parameter set: the text"),
         (lambda s: s.variant("a\x01"), "variant: the text"),
         (lambda s: s.variant("a", description="\x0b"), "variant 'a': description: the text"),
+        (lambda s: s.variant("a", components={"senser": "sensor.fmu"}), "no component 'senser'; did you mean 'sensor'"),
+        (lambda s: s.variant("a", connections={"filter.imu": "other.reading"}), "no component 'other'"),
+        (
+            lambda s: s.variant("a", connections={"filter.im": "sensor.reading"}),
+            "connection 'sensor.reading' -> 'filter",
+        ),
+        (lambda s: s.variant("a", connections={"filter": "sensor.reading"}), "not of the form component.variable"),
         (lambda s: s.pack("x.ssp", variant="pour"), "no variant 'pour'; did you mean 'poor'"),
     ],
 )
