@@ -9,6 +9,7 @@ from fmus.grades import AIR_DATA, ahrs_parameters
 from models.attitude import ahrs, attitude
 from models.filters import kalman
 from models.magnetic import magnetic_field
+from models.satellite.gps import ATTITUDE_SIGMA
 from navfmu.constants import STANDARD_GRAVITY
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, require, start
 
@@ -44,6 +45,10 @@ class Ahrs(Component):
     that the sum of its innovations is beyond `field_limit` sigma, is taken for a change of the hard iron. What no
     measurement here can see, because it stands still in the aircraft or in the chart, is added to the published sigmas:
     `level_sigma`, `mounting_sigma`, and the error of the declination.
+
+    *GPS attitude* (`gps`, thesis 4.11.1): where three antennas tell it, roll, pitch and heading are measurements, too,
+    (4.48)-(4.51), and calibrate gyros and hard iron while there is GPS (thesis sections 2.3 and 4.11). As long as it
+    was told within `gps_timeout` nothing that stands still in the aircraft or in the chart is in the angles.
 
     *Declination* (output `local_declination`) is that of the World Magnetic Model of the `date` at `position`, every
     `chart_period` while that is valid, and its error is the model's own. Without a position the last one stays, at
@@ -97,6 +102,13 @@ class Ahrs(Component):
         longitude=Input("rad", display_unit="deg", description="longitude"),
         altitude=Input("m", display_unit="ft", description="height above the ellipsoid"),
         description="position, to look up the declination; may stay unconnected",
+    )
+
+    gps = Bundle(
+        roll=Input("rad", display_unit="deg", description="roll"),
+        pitch=Input("rad", display_unit="deg", description="pitch"),
+        heading=Input("rad", display_unit="deg", description="true heading"),
+        description="GPS attitude of three antennas; may stay unconnected",
     )
 
     sample_period = Parameter(
@@ -280,6 +292,14 @@ class Ahrs(Component):
         description="random walk of the dip in one second: 1.2 deg in an hour; at 200 m/s to the north it changes by "
         "twice as much, and crustal anomalies of 140 nT over 10 km are 0.17 deg in 50 s",
     )
+    gps_sigma = Parameter(
+        "rad",
+        start=ATTITUDE_SIGMA,
+        min=1.0e-6,
+        display_unit="deg",
+        description="standard deviation of GPS attitude (thesis Table 4.2: 0.25 deg)",
+    )
+    gps_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which GPS attitude is lost")
     initial_sigma = Parameter(
         "rad",
         start=np.radians(5.0),
@@ -328,6 +348,8 @@ class Ahrs(Component):
     turn_sum = State("rad", description="integral of the size of the yaw rate in this window")
     window_time = State("s", description="time since this window began")
     field_seen = State(kind="integer", description="sequence number of the last field used")
+    gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
+    gps_time = State("s", start=-1.0e9, description="when it was used")
     aligned = State(kind="boolean", description="initial alignment has been done")
     charted = State(kind="boolean", description="the declination is that of a known position")
     chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
@@ -459,8 +481,8 @@ class Ahrs(Component):
         )
 
         # measurement update: field
-        heading_rate = attitude.euler_rates(rate, angles[0], angles[1])[2]
-        then = angles[2] - heading_rate * (self.time - self.field.time_of_validity)
+        turning_rates = attitude.euler_rates(rate, angles[0], angles[1])
+        then = angles[2] - turning_rates[2] * (self.time - self.field.time_of_validity)
         expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.local_declination, self.hard_iron)
         correction, covariance, misfit = ahrs.field_updates(
             correction,
@@ -472,6 +494,17 @@ class Ahrs(Component):
             self.field_misfit,
             self.field_limit,
         )
+
+        # measurement update: GPS attitude
+        told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
+        come = self.gps.valid & (self.gps.time_of_validity <= self.time + 1.0e-6) & np.isfinite(np.sum(told))
+        new_gps = come & (self.gps.sequence != self.gps_seen)
+        then = angles - turning_rates * (self.time - self.gps.time_of_validity)
+        correction, covariance = ahrs.angle_updates(
+            correction, covariance, attitude.wrap(told - then), self.gps_sigma**2, new_gps
+        )
+        self.gps_seen = np.where(new_gps, self.gps.sequence, self.gps_seen)
+        self.gps_time = np.where(new_gps, self.time, self.gps_time)
 
         # end of the window
         window = self.window_time + self.period
@@ -514,5 +547,6 @@ class Ahrs(Component):
 
         uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
         unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
+        unseen = np.where(self.time - self.gps_time <= self.gps_timeout, 0.0, unseen)
         self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
         self.tilt_noise = sigma * np.sqrt(self.tilt_level)

@@ -151,6 +151,13 @@ def field_updates(correction, upper, rows, residuals, variance, use, misfit, lim
     return correction, upper, np.where(changed, 0.0, np.stack([*totals, count]))
 
 
+def angle_updates(correction, upper, residuals, variance, use):
+    """Take the three angles as three antennas of GPS measure them: H = [I 0], thesis (4.47)-(4.51)."""
+    for angle in range(MOVING):
+        correction, upper, _ = kalman.update(correction, upper, np.eye(STATES)[angle], variance, residuals[angle], use)
+    return correction, upper
+
+
 def raised(level_, total, count, least, limit):
     """Noise level at which the sum of ``count`` white innovations of unit level is at most ``limit`` sigma.
 
