@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 
 ROOT = Path(__file__).parents[1]
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 def checkout(tmp_path_factory):
     """A folder with the examples and, as in a checkout, the built FMUs and the system in dist/."""
     folder = tmp_path_factory.mktemp("checkout")
-    for name in COMPONENTS:
+    for name in FMUS:
         built.fmu(name, tmp_path_factory)
     fmus = built.folder(tmp_path_factory)
     source(fmus).pack(fmus / "backup_navigator.ssp")

@@ -29,21 +29,16 @@ COMPONENTS = (
 RECEIVERS = {"two_receivers": 2, "scanning": 3}
 """Variants by the mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
 BASE_GRADE = "automotive"
+FMUS = (*COMPONENTS, "gps_signals", "gps_solver")
+"""Those of all variants."""
 POSITION = ("latitude", "longitude", "altitude")
 ANGLES = ("roll", "pitch", "heading")
 
 
-def source(
-    fmus: str | Path,
-    *,
-    aircraft: str = "aircraft.fmu",
-    name: str = "backup_navigator",
-    signals: str | None = None,
-) -> SystemSource:
+def source(fmus: str | Path, *, aircraft: str = "aircraft.fmu", name: str = "backup_navigator") -> SystemSource:
     """Describe the system with the built FMUs in the folder ``fmus``.
 
-    ``aircraft`` may be any FMU with the outputs of ``aircraft``, for example a recorded track. With ``signals``, an FMU
-    such as gps_signals.fmu, the receiver is that one, and gps_solver makes positions of what it measures.
+    ``aircraft`` may be any FMU with the outputs of ``aircraft``, for example a recorded track.
     """
     system = SystemSource(
         name,
@@ -52,14 +47,9 @@ def source(
         stop_time=2100.0,
         step=0.01,
     )
-    files = {"aircraft": aircraft, "gps": signals or "gps.fmu"}
     for component in COMPONENTS:
-        system.component(component, files.get(component, f"{component}.fmu"))
-    if signals is not None:
-        system.component("gps_solver", "gps_solver.fmu")
-        system.connect("aircraft.specific_force", "gps.specific_force")
-        system.connect("gps.signals", "gps_solver.signals")
-    connect(system, fix="gps.fix" if signals is None else "gps_solver.fix")
+        system.component(component, aircraft if component == "aircraft" else f"{component}.fmu")
+    connect(system)
     if aircraft == "aircraft.fmu":
         system.parameters("aircraft", FLIGHT_PLANS["livermore"].parameters())
     use_stations(system.parameters, "thesis_like")
@@ -72,8 +62,8 @@ def source(
     return system
 
 
-def connect(system: SystemSource, fix: str = "gps.fix") -> None:
-    """Wire truth to sensors, sensors to estimators, and both ends to the evaluation; ``fix`` is the bundle of fixes."""
+def connect(system: SystemSource) -> None:
+    """Wire truth to sensors, sensors to estimators, and both ends to the evaluation."""
     for sensor in ("magnetometer", "dme", "gps", "evaluation"):
         for output in POSITION:
             system.connect(f"aircraft.{output}", f"{sensor}.{output}")
@@ -93,7 +83,7 @@ def connect(system: SystemSource, fix: str = "gps.fix") -> None:
     system.connect("ahrs.attitude", "navigator.attitude")
     system.connect("air_data.air", "navigator.air")
     system.connect("dme.ranging", "navigator.ranging")
-    system.connect(fix, "navigator.fix")
+    system.connect("gps.fix", "navigator.fix")
     system.connect("navigator.solution", "ahrs.position")  # for the declination: slow, one step late
     system.connect("navigator.solution", "evaluation.solution")
     for output in ("north_sigma", "east_sigma", "mode"):
@@ -108,7 +98,7 @@ def use_stations(give, name: str) -> None:
 
 
 def add_variants(system: SystemSource) -> None:
-    """Open loop, the other receivers, the literal (6.40), the other grades of Table 3.2, and real stations."""
+    """Open loop, other receivers of DME and GPS, the literal (6.40), the other grades of Table 3.2, real stations."""
     system.variant(
         "open_loop",
         parameters={"navigator": {"dme_aiding": False}},
@@ -116,6 +106,21 @@ def add_variants(system: SystemSource) -> None:
     )
     for name, mode in RECEIVERS.items():
         system.variant(name, parameters={"dme": {"mode": mode}}, description=f"DME receiver: {name.replace('_', ' ')}")
+    system.variant(
+        "three_antennas",
+        connections={"ahrs.gps": "gps.attitude"},
+        description="three GPS antennas: their attitude calibrates gyros and hard iron, thesis section 4.11",
+    )
+    system.variant(
+        "gps_signals",
+        components={"gps": "gps_signals.fmu", "gps_solver": "gps_solver.fmu"},
+        connections={
+            "gps.specific_force": "aircraft.specific_force",
+            "gps_solver.signals": "gps.signals",
+            "navigator.fix": "gps_solver.fix",
+        },
+        description="GPS as signals of satellites, whose solver makes the fixes",
+    )
     system.variant(
         "r_as_printed",
         parameters={"navigator": {"bias_sigma": 0.0, "innovation_gate": 0.0, "prior": 0.0, "wind_mean_sigma": 0.0}},

@@ -267,9 +267,9 @@ def test_a_matrix_of_many_cases_has_a_row_for_each_case_of_the_file(tmp_path, mo
 
 @pytest.mark.slow
 def test_the_documented_example_runs(tmp_path, tmp_path_factory):
-    from system_ssp.backup_navigator.system import COMPONENTS, source
+    from system_ssp.backup_navigator.system import FMUS, source
 
-    for name in COMPONENTS:
+    for name in FMUS:
         built.fmu(name, tmp_path_factory)
     package = source(built.folder(tmp_path_factory)).pack(tmp_path / "backup_navigator.ssp")
     text = (ROOT / "docs" / "campaigns.md").read_text(encoding="utf-8")

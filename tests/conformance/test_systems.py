@@ -10,31 +10,38 @@ import zipfile
 import pytest
 
 from navfmu import System
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import COMPONENTS, FMUS, source
 from tests import built
 from tests.conformance import hosts
 
 STEP, STEPS = 1.0 / 64.0, 64 * 40  # the first GPS fixes, a calibrated wind and two rounds of DME ranges
 
 
-@pytest.fixture(scope="module", params=["gps", "gps_signals"])
-def fmus(request, tmp_path_factory):
+@pytest.fixture(scope="module", params=["bay_area_scanning", "gps_signals"])
+def variant(request):
+    """With values that FMUs do not have, and with another structure."""
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def fmus(variant, tmp_path_factory):
+    """Files by component."""
+    for name in FMUS:
+        built.fmu(name, tmp_path_factory)
     files = dict(zip(COMPONENTS, COMPONENTS, strict=True))
-    if request.param != "gps":
-        files |= {"gps": request.param, "gps_solver": "gps_solver"}
+    if variant == "gps_signals":
+        files |= {"gps": "gps_signals", "gps_solver": "gps_solver"}
     return {name: built.fmu(file, tmp_path_factory) for name, file in files.items()}
 
 
 @pytest.fixture(scope="module")
-def ssp(fmus, tmp_path_factory):
-    folder, receiver = fmus["gps"].parent, fmus["gps"].name
-    package = tmp_path_factory.mktemp("ssp") / "bay_area_scanning.ssp"
-    signals = None if receiver == "gps.fmu" else receiver
-    return source(folder, signals=signals).pack(package, variant="bay_area_scanning")  # values that FMUs do not have
+def ssp(variant, fmus, tmp_path_factory):
+    package = tmp_path_factory.mktemp("ssp") / f"{variant}.ssp"
+    return source(fmus["gps"].parent).pack(package, variant=variant)
 
 
 @pytest.fixture(scope="module")
-def expected(ssp, fmus):
+def expected(variant, ssp, fmus):
     result = System.load(ssp).run(
         stop=STEP * STEPS, step=STEP, algorithm="jacobi", record=list(fmus), record_period=STEP
     )
@@ -43,7 +50,8 @@ def expected(ssp, fmus):
         component, _, variable = column.partition(".")
         values[component][variable] = float(result[column].iloc[-1])
     assert values["navigator"]["mode"] > 0 and values["dme"]["ranging.sequence"] > 1
-    assert sum(values["dme"][f"ranging.slant_range[{i}]"] > 0 for i in range(1, 6)) >= 4  # stations of the variant
+    ranges = [values["dme"][f"ranging.slant_range[{i}]"] > 0 for i in range(1, 6)]
+    assert sum(ranges) >= {"bay_area_scanning": 4, "gps_signals": 2}[variant]
     assert "gps_solver" not in fmus or (values["gps_solver"]["satellites"] >= 6 and values["gps_solver"]["fix.valid"])
     return values
 

@@ -25,7 +25,7 @@ from navfmu.export.interpreter import Interpreter
 from navfmu.export.twin import build_twin
 from navfmu.faults import Fault
 from navfmu.system.system import System
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 
 pytestmark = pytest.mark.skipif(
@@ -223,7 +223,7 @@ def test_a_missing_package_is_a_sentence(monkeypatch):
 def system(tmp_path_factory):
     """The shipped system, in which nothing is changed but the file of the aircraft."""
     folder = tmp_path_factory.mktemp("with_jsbsim")
-    for name in COMPONENTS:
+    for name in FMUS:
         shutil.copy(built.fmu(name, tmp_path_factory), folder)
     build_twin(JsbsimC172, folder, pictures=False).replace(folder / "aircraft.fmu")
     return System.load(source(folder).pack(folder / "flown.ssp"))

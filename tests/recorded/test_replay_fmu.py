@@ -177,10 +177,10 @@ def test_has_what_a_system_connects_of_the_sensor_that_it_replaces(sensor, playe
 @pytest.mark.filterwarnings("ignore:has no effect")
 def test_recordings_of_all_modelled_sensors_navigate_as_these_did_bit_for_bit(player, tmp_path_factory, tmp_path):
     """The files of four sensors in a shipped system are replaced by replays of what they gave: nothing changes."""
-    from system_ssp.backup_navigator.system import COMPONENTS, source
+    from system_ssp.backup_navigator.system import FMUS, source
 
     folder = tmp_path / "modelled"
-    for component in COMPONENTS:
+    for component in FMUS:
         built.fmu(component, tmp_path_factory)
     source(built.folder(tmp_path_factory)).write(folder)
     bundles = {"imu": "reading", "magnetometer": "field", "air_data": "air", "gps": "fix"}
@@ -210,10 +210,10 @@ def test_recordings_of_all_modelled_sensors_navigate_as_these_did_bit_for_bit(pl
 
 def test_masters_of_others_take_the_file_in_the_place_of_the_sensors_too(player, tmp_path_factory, tmp_path):
     """libcosim and Ecos refuse a system whose FMU lacks what the document connects or lists."""
-    from system_ssp.backup_navigator.system import COMPONENTS, source
+    from system_ssp.backup_navigator.system import FMUS, source
 
     step, steps = 1.0 / 64.0, 640
-    fmus = {name: built.fmu(name, tmp_path_factory) for name in COMPONENTS}
+    fmus = {name: built.fmu(name, tmp_path_factory) for name in FMUS}
     folder = tmp_path / "recorded"
     source(built.folder(tmp_path_factory)).write(folder)
     frame = samples.imu(samples.stamps(600, 0.017, 0.02))

@@ -11,7 +11,7 @@ import pytest
 
 from navfmu import Fault, System
 from navfmu.sabotage.system import sabotage
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 from tests.conformance import hosts
 
@@ -29,7 +29,7 @@ LATE = (
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory):
-    for name in COMPONENTS:
+    for name in FMUS:
         folder = built.fmu(name, tmp_path_factory).parent
     package = source(folder).pack(tmp_path_factory.mktemp("ssp") / "scanning.ssp", variant="scanning")
     return System.load(package)

@@ -3,14 +3,14 @@
 import pytest
 
 from navfmu import System
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory):
-    """Folder of the ten FMUs."""
-    for name in COMPONENTS:
+    """Folder of the FMUs of all variants."""
+    for name in FMUS:
         built.fmu(name, tmp_path_factory)
     return built.folder(tmp_path_factory)
 

@@ -65,9 +65,9 @@ def test_the_solution_does_not_jump_when_gps_is_lost(load):
         assert np.all(step < 3.0 * run["navigator.north_sigma"].to_numpy()[switch])
 
 
-SIZES = {"1": 0.01, "m": 0.01, "rad": 0.01, "rad.s/m": 1e-5, "T": 1e-5, "A": 1.0, "s": 1e-7}
+SIZES = {"1": 0.01, "m": 0.01, "rad": 0.01, "rad.s/m": 1e-5, "T": 1e-5, "A": 1.0, "s": 1e-7, "m/s": 0.01, "W": 1e3}
 """Of a fault with this unit."""
-SIZED = {"dme.replies_lost": 0.95}
+SIZED = {"dme.replies_lost": 0.95, "gps.region_radius": 1e6}
 """Of faults that only act when they are large."""
 SWITCHED = {
     "wind.shear_n[1]": 5.0,

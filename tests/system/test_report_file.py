@@ -10,7 +10,7 @@ import pytest
 from navfmu import System
 from navfmu.files.toml import Document
 from navfmu.system.report_file import PICTURES, STATISTICS, ReportFile
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 
 ROOT = Path(__file__).parents[2]
@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory) -> Path:
-    for name in COMPONENTS:
+    for name in FMUS:
         built.fmu(name, tmp_path_factory)
     fmus = built.folder(tmp_path_factory)
     return source(fmus).pack(tmp_path_factory.mktemp("report") / "backup_navigator.ssp")

@@ -9,7 +9,7 @@ import re
 import pytest
 from matplotlib.image import imread
 
-from system_ssp.backup_navigator.system import COMPONENTS, source
+from system_ssp.backup_navigator.system import FMUS, source
 from tests import built
 from tools import testing_page
 
@@ -17,7 +17,7 @@ from tools import testing_page
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
     """The page's example, run on the system as it is built now."""
-    for name in COMPONENTS:
+    for name in FMUS:
         built.fmu(name, tmp_path_factory)
     folder = tmp_path_factory.mktemp("page")
     source(built.folder(tmp_path_factory)).write(folder / "backup_navigator")
