@@ -305,6 +305,41 @@ def test_alarms_come_as_often_as_they_are_allowed(solver):
     assert low <= count <= high
 
 
+def test_sigmas_are_those_of_errors_that_are_as_large_as_the_weights_say(solver):
+    """4000 epochs, each range off by its own variance (RTKLIB 2.4.3): squares of errors over those told are 1, the sum
+    is its degrees of freedom. Weights that are no inverse variances, or a sigma of one axis for two, would be seen."""
+    rng = np.random.default_rng(10)
+    place = Place()
+    made = signals(place, 8)
+    sight = made["signals.satellite_e"][:8] - place.position_e
+    up = pymap3d.ecef2enuv(*sight.T, place.latitude, place.longitude, deg=False)[2]
+    sine = up / np.linalg.norm(sight, axis=1)
+    sigma = np.sqrt(0.09 * (1.0 + 1.0 / sine) + 2.4**2 + 0.09 + (0.3 / (sine + 0.1)) ** 2)
+    clean = made["signals.pseudorange"].copy()
+
+    def inputs(t):
+        noisy = clean.copy()
+        noisy[:8] += sigma * rng.standard_normal(8)
+        fresh = {"signals.pseudorange": noisy, "signals.sequence": round(t) + 1}
+        return fresh if t > 0 else {**made, **fresh}
+
+    place_of_fix = [f"fix.{name}" for name in ("latitude", "longitude", "altitude")]
+    found = solver.run(
+        4000.0, 1.0, [*place_of_fix, "horizontal_sigma", "vertical_sigma", "squares"], {**BARE, "exclusions": 0}, inputs
+    )
+    off = pymap3d.geodetic2ned(
+        *(found[name][1:] for name in place_of_fix), place.latitude, place.longitude, place.altitude, deg=False
+    )
+    horizontal, vertical = found["horizontal_sigma"][1:], found["vertical_sigma"][1:]
+    for name, square, freedom in (
+        ("horizontal", (off[0] ** 2 + off[1] ** 2) / horizontal**2, 1),  # at most as uncertain as one number
+        ("vertical", off[2] ** 2 / vertical**2, 1),
+        ("squares", found["squares"][1:], 4),
+    ):
+        low, high = stats.chi2.ppf([5e-7, 1 - 5e-7], 4000 * freedom) / 4000
+        assert low <= np.mean(square) <= high, name
+
+
 def test_what_measures_has_the_bundle_of_what_solves():
     """Names, shapes and types, so that one connection is enough; the solver of a system takes whatever publishes it."""
 
