@@ -8,7 +8,7 @@ from fmus import replay
 from fmus.satellite.gps_signals import SATELLITES, GpsSignals
 from fmus.satellite.signals import PLACES
 from models.processes.known import known
-from models.satellite import broadcast, selection, slots
+from models.satellite import broadcast, gps_time, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.export import Component, Example, Parameter, Table, every
@@ -100,12 +100,13 @@ class ObservationsReplay(replay.face(GpsSignals), Component):
         tracked = usable & np.logical_not(silent)
         jump = known(self.clock_jump, 0.0)
         wrong = np.sum(np.where(here, known(self.range_step, 0.0), 0.0), axis=1) + SPEED_OF_LIGHT * jump
+        tag_week, tag_second = gps_time.normal(week, second + jump)
         new = replay.announcement(epoch, self.signals)
         self.satellites = np.where(new["when"], np.sum(np.where(tracked, 1, 0)), self.satellites)
         self.signals.publish(
             **new,
-            week=week,
-            seconds=second + jump,
+            week=tag_week,
+            seconds=tag_second,
             tracked=tracked,
             number=prn,
             pseudorange=np.where(prn > 0.0, epoch["pseudorange"] + wrong, 0.0),

@@ -9,12 +9,14 @@ import pytest
 from click.testing import CliRunner
 from fmpy.validation import validate_fmu
 
+from fmus.satellite.observations_replay import ObservationsReplay
 from fmus.satellite.signals import PLACES
 from navfmu import Fault, NavfmuError, System
 from navfmu.cli.main import main
 from navfmu.recorded.observations.importer import import_observations
 from navfmu.ssp.writer import SystemSource
 from tests import built
+from tests.models.native import interpret
 from tests.recorded.sky import SECOND, WEEK, Sky
 from tests.satellite import made
 from tests.satellite.made import written
@@ -243,6 +245,15 @@ def test_a_satellite_that_steps_is_left_out_and_a_clock_that_jumps_changes_no_pl
     np.testing.assert_allclose(result["observations.signals.seconds"], SECOND + EPOCHS + 1e-3 * jumped, atol=1e-9)
     expected = sky.clock + sky.drift * EPOCHS + 1e-3 * jumped
     np.testing.assert_allclose(result["solver.clock_bias"], expected, rtol=0, atol=5e-11)
+
+
+def test_a_clock_that_jumps_takes_the_tag_into_another_week():
+    """As gps_signals tells it: 0 to 604800 s, not more and not less."""
+    for jump, week, second in ((259200.0, 705, 1.0), (-345602.0, 703, 604799.0)):
+        player = interpret(ObservationsReplay, tick_period=1.0, clock_jump=jump)
+        player.do_step(0.0, 1.0)
+        assert player.get("signals.week") == week
+        assert player.get("signals.seconds") == second
 
 
 @pytest.mark.parametrize(
