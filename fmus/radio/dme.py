@@ -416,7 +416,7 @@ class Dme(stations.StationTable, Component):
     @require("terrain does not reach around: expected azimuths from 0 to 2 pi rad and stations from 1 to 5")
     def terrain_reaches_around(self):
         stations, azimuths = self.terrain.around(station=np.array([1.0, PLACES]), azimuth=_ROUND).ends
-        around = (azimuths[0, 0] <= 0.0) & (azimuths[1, 1] >= 2.0 * np.pi - 1e-6)
+        around = (azimuths[0, 0] <= 0.0) & (np.abs(azimuths[1, 1] - 2.0 * np.pi - 0.05) <= 0.05 + 1e-6)
         return around & (stations[0, 0] <= 1.0) & (stations[1, 1] >= PLACES)
 
     @require("terrain has azimuths of more than 4 pi in size; expected them in rad, not degrees")
@@ -471,7 +471,7 @@ class Dme(stations.StationTable, Component):
         number = np.maximum(1.0 * self.station_number, 1.0)
         around = self.terrain.around(station=number, azimuth=sight.azimuth(north, east))
         mask = np.where(number <= around.ends[0][:, 1], around.bilinear()[:, 0], -0.5 * np.pi)
-        return sight.is_above(up, distance, np.maximum(mask - sight.bending(distance), -0.5 * np.pi))
+        return sight.is_above(up, distance, np.clip(mask - sight.bending(distance), -0.5 * np.pi, 0.5 * np.pi))
 
     def select(self, line, inside, admitted):
         """Stations that take turns from now on; ``line`` from each to the aircraft in e."""

@@ -325,18 +325,46 @@ def test_terrain_hides_what_is_low_in_one_direction():
         assert np.flatnonzero(run.get("ranging.measured")).tolist() == measured
 
 
-@pytest.mark.parametrize(("stations", "azimuths"), [(5, [0.0, 360.0 - 1.0]), (4, [0.0, 360.0]), (5, [1.0, 360.0])])
+@pytest.mark.parametrize(
+    ("stations", "azimuths"),
+    [
+        (5, [0.0, 360.0 - 1.0]),
+        (4, [0.0, 360.0]),
+        (5, [1.0, 360.0]),
+        (5, np.degrees(np.arange(0.0, 361.0, 10.0))),
+        (5, np.degrees([0.0, 360.0])),
+    ],
+)
 def test_terrain_that_does_not_reach_around_is_refused(stations, azimuths):
     class Short(Dme):
         """With a table that is too short."""
 
         terrain = type(Dme.terrain)(
             axes=(("station", "1", np.arange(1.0, stations + 1.0)), ("azimuth", "rad", np.radians(azimuths))),
-            surfaces=(("mask", "rad", np.zeros((stations, 2))),),
+            surfaces=(("mask", "rad", np.zeros((stations, len(azimuths)))),),
         )
 
     with pytest.raises(NavfmuError, match="terrain does not reach around: expected azimuths from 0 to 2 pi rad"):
         interpret(Short)
+
+
+def test_a_mask_of_more_than_a_right_angle_hides_all():
+    """Between the directions that are looked at when it is read. Catches sin of 3.1 rad, which hides next to nothing."""
+
+    class Spike(Dme):
+        """With a mask of 3.1 rad to the east of the first station."""
+
+        terrain = type(Dme.terrain)(
+            axes=(
+                ("station", "1", np.arange(1.0, 6.0)),
+                ("azimuth", "rad", np.radians([0.0, 81.0, 84.0, 86.0, 89.0, 360.0])),
+            ),
+            surfaces=(("mask", "rad", np.outer(np.arange(5) == 0, [0.0, 0.0, 3.1, 3.1, 0.0, 0.0])),),
+        )
+
+    run = interpret(Spike, **FLYING | {"altitude": 3000.0}, **bearings(265.0, 90.0, distance=20e3), mode=3)
+    run.do_step(0.0, 10.0)
+    assert np.flatnonzero(run.get("ranging.measured")).tolist() == [1]
 
 
 def test_terrain_in_degrees_is_refused():
