@@ -349,7 +349,7 @@ def test_terrain_that_does_not_reach_around_is_refused(stations, azimuths):
 
 
 def test_a_mask_of_more_than_a_right_angle_hides_all():
-    """Between the directions that are looked at when it is read. Catches sin of 3.1 rad, which hides next to nothing."""
+    """Between the directions looked at when it is read. Catches sin of 3.1 rad, which hides next to nothing."""
 
     class Spike(Dme):
         """With a mask of 3.1 rad to the east of the first station."""
