@@ -224,6 +224,15 @@ class GpsSignals(Jamming, Component):
         prn = np.arange(1.0, SATELLITES + 1.0)
         return np.any(selection.holds(self._told(prn, *at), prn, *at))
 
+    @require(
+        "antenna does not have all directions: expected azimuths from -pi to pi and elevations from -pi/2 to pi/2, in "
+        "rad and not degrees"
+    )
+    def antenna_reaches_around(self):
+        all_of_it = np.array([-np.inf, np.inf])
+        azimuths, elevations = self.antenna.around(azimuth=all_of_it, elevation=all_of_it).ends
+        return _spans(azimuths, np.pi) & _spans(elevations, 0.5 * np.pi)
+
     @start
     def begin(self, noise):
         normal = noise(2 * PLACES + 2)
@@ -431,3 +440,8 @@ class GpsSignals(Jamming, Component):
     def _wander(self, value, time_constant, normal):
         phi = gauss_markov.decay(self.period, time_constant)
         return gauss_markov.advance(value, phi, gauss_markov.drive(1.0, phi), normal)
+
+
+def _spans(ends, most):
+    """Whether an axis, of which these are the first and the last two numbers, goes from -most to most."""
+    return (np.abs(ends[0, 0] + most) < 1e-3) & (np.abs(ends[1, 1] - most) < 1e-3)

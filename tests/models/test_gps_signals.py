@@ -10,7 +10,7 @@ from fmus.satellite.gps_signals import GpsSignals
 from models.satellite import orbit, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu import NavfmuError
-from navfmu.export import Table
+from navfmu.export import Grid, Table
 from navfmu.export.interpreter import Interpreter
 from tests.models.receiving import PLACE, QUIET, Receiving, off
 
@@ -61,6 +61,27 @@ def test_a_start_for_which_there_are_no_orbits_is_refused(week, seconds, held):
     else:
         with pytest.raises(NavfmuError, match=f"of the table orbits none holds in week {week}, "):
             receiver.setup()
+
+
+@pytest.mark.parametrize(
+    ("azimuths", "elevations"),
+    [
+        ([0.0, 2.0 * np.pi], [-0.5 * np.pi, 0.5 * np.pi]),  # half of it would have had the gain of azimuth 0
+        ([-180.0, 180.0], [-90.0, 90.0]),
+        ([-np.pi, np.pi], [0.0, 0.5 * np.pi]),
+    ],
+)
+def test_an_antenna_that_lacks_directions_is_refused(azimuths, elevations):
+    class Other(GpsSignals):
+        """With another antenna."""
+
+        antenna = Grid(
+            axes=(("azimuth", "rad", np.array(azimuths)), ("elevation", "rad", np.array(elevations))),
+            surfaces=(("gain", "1", np.zeros((2, 2))),),
+        )
+
+    with pytest.raises(NavfmuError, match="antenna does not have all directions: expected azimuths from -pi to pi"):
+        Interpreter(Other).setup()
 
 
 def test_what_is_measured_is_solved_to_the_truth(receiving):
