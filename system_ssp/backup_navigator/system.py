@@ -10,6 +10,7 @@ from pathlib import Path
 
 from fmus.grades import GRADES, ahrs_parameters
 from fmus.motion.flight_plans import FLIGHT_PLANS
+from fmus.radio.grades import DME
 from fmus.radio.stations import STATION_SETS
 from navfmu.ssp.writer import SystemSource
 
@@ -106,6 +107,11 @@ def add_variants(system: SystemSource) -> None:
     )
     for name, mode in RECEIVERS.items():
         system.variant(name, parameters={"dme": {"mode": mode}}, description=f"DME receiver: {name.replace('_', ' ')}")
+    system.variant(
+        "shared_bias",
+        parameters={"dme": {"receiver_share": DME["annex_10"].values["receiver_share"]}},
+        description="72 % of the variance of the ranges' biases is the DME receiver's, common to its stations",
+    )
     system.variant(
         "three_antennas",
         connections={"ahrs.gps": "gps.attitude"},
