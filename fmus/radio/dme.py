@@ -419,11 +419,6 @@ class Dme(stations.StationTable, Component):
         around = (azimuths[0, 0] <= 0.0) & (np.abs(azimuths[1, 1] - 2.0 * np.pi - 0.05) <= 0.05 + 1e-6)
         return around & (stations[0, 0] <= 1.0) & (stations[1, 1] >= PLACES)
 
-    @require("terrain has azimuths of more than 4 pi in size; expected them in rad, not degrees")
-    def terrain_has_azimuths_in_radians(self):
-        _, azimuths = self.terrain.around(station=np.array([1.0, 1.0]), azimuth=np.array([-np.inf, np.inf])).ends
-        return np.max(np.abs(azimuths)) <= 4.0 * np.pi
-
     @require("terrain has masks of more than pi/2 rad in size; expected elevations in rad, not degrees")
     def terrain_is_in_rad(self):
         stations, azimuths = np.meshgrid(np.arange(1.0, PLACES + 1.0), np.radians(np.arange(0.0, 360.0, 10.0)))

@@ -380,21 +380,6 @@ def test_terrain_in_degrees_is_refused():
         interpret(Degrees)
 
 
-def test_azimuths_in_degrees_are_refused():
-    """The first of them alone would have been used, as the whole horizon."""
-
-    class Degrees(Dme):
-        """With a ridge of 0.1 rad in the south, at 180 degrees, which are not 180 rad."""
-
-        terrain = type(Dme.terrain)(
-            axes=(("station", "1", np.arange(1.0, 6.0)), ("azimuth", "rad", np.array([0.0, 90.0, 180.0, 360.0]))),
-            surfaces=(("mask", "rad", np.outer(np.ones(5), [0.0, 0.0, 0.1, 0.0])),),
-        )
-
-    with pytest.raises(NavfmuError, match="terrain has azimuths of more than 4 pi in size; expected them in rad, not"):
-        interpret(Degrees)
-
-
 # --- errors ----------------------------------------------------------------------------------------------------------
 
 
