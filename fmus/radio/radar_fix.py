@@ -132,10 +132,8 @@ class RadarFix(Component):
         distance = np.sqrt(np.sum(line * line))
         below = np.logical_not(sight.is_above(up, distance, self.highest_elevation))
         self.seen = (distance <= reach) & below & np.logical_not(self.radar_off)
-        north, east, _ = sight.in_n(self.latitude, self.longitude, line)
         off = radar.displacement(
-            north,
-            east,
+            *sight.in_n(self.latitude, self.longitude, line),
             self.range_offset_sigma * self.offset[0] + self.range_sigma * errors[0],
             self.azimuth_offset_sigma * self.offset[1] + self.azimuth_shift + self.azimuth_sigma * errors[1],
         )

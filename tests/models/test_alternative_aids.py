@@ -196,6 +196,20 @@ def test_errors_lie_along_and_across_the_line_to_the_radar(native):
     assert ned[0] * np.cos(right) + ned[1] * np.sin(right) == pytest.approx(0.5 * DEG * far, rel=1e-3)
 
 
+@pytest.mark.parametrize("elevation", [5.0, 40.0, 75.0])
+def test_an_error_of_distance_is_more_over_the_ground_the_higher_an_aircraft_is(native, elevation):
+    """400 turns, 15 m of distance: 15 m / cos of the elevation, bounds at 1e-6. Wrong: the distance taken for level."""
+    values = {**EXACT_RADAR, "range_sigma": 15.0, "highest_elevation": 0.5 * np.pi}
+    lat, lon, altitude = pymap3d.aer2geodetic(60.0, elevation, 10e3, RADAR_LATITUDE, RADAR_LONGITUDE, 20.0)
+    place = {"latitude": float(lat) * DEG, "longitude": float(lon) * DEG, "altitude": float(altitude)}
+    run = native(RadarFix).run(SEEDS * 4.8, 4.8, ["fix.latitude", "fix.longitude"], values, lambda t: place)
+    seen = (np.degrees(run[f"fix.{name}"][2:]) for name in ("latitude", "longitude"))
+    ned = navpy.lla2ned(*seen, np.full(SEEDS - 1, altitude), lat, lon, altitude)
+    along = ned[:, 0] * np.cos(60.0 * DEG) + ned[:, 1] * np.sin(60.0 * DEG)
+    assert within(along, 15.0 / np.cos(elevation * DEG))
+    assert np.max(np.abs(ned[:, 1] * np.cos(60.0 * DEG) - ned[:, 0] * np.sin(60.0 * DEG))) < 0.1
+
+
 def test_the_radar_has_its_own_errors_from_seed_to_seed(native):
     values = {**EXACT_RADAR, "range_offset_sigma": 30.0}
     errors = []
