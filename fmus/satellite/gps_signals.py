@@ -10,7 +10,7 @@ from fmus.satellite.jamming import Jamming
 from fmus.satellite.signals import PLACES, signals
 from models.attitude import attitude
 from models.earth import earth
-from models.processes import gauss_markov
+from models.processes import gauss_markov, places
 from models.processes.known import known
 from models.satellite import (
     ageing,
@@ -200,8 +200,8 @@ class GpsSignals(Jamming, Component):
 
     placed = State(PLACES, kind="integer", description="PRN of the satellite that has this place, 0: none")
     strong_for = State(PLACES, "s", description="how long the signal has been strong enough to be found")
-    own = State(PLACES, "1", description="own error, over its sigma")
-    reflected = State(PLACES, "1", description="multipath, over its sigma")
+    own = State(PLACES, "1", description="own error, over its sigma; drawn when a satellite gets the place")
+    reflected = State(PLACES, "1", description="multipath, over its sigma; drawn as this is")
     common = State(2, "1", description="error of ionosphere and troposphere, over their sigmas")
     unheard = State("s", start=augmentation.NEVER, description="since when no corrections have been received")
     felt_n = State(3, "m/s2", description="specific force at the last measurement, n")
@@ -235,8 +235,7 @@ class GpsSignals(Jamming, Component):
 
     @start
     def begin(self, noise):
-        normal = noise(2 * PLACES + 2)
-        self.own, self.reflected, self.common = normal[:PLACES], normal[PLACES : 2 * PLACES], normal[2 * PLACES :]
+        self.common = noise(2)
         self.bias, self.drift = self.clock_bias_start, self.clock_drift_start
         self.clock_covariance = receiver_clock.covariance(
             receiver_clock.densities(self.clock_h0, self.clock_h2), self.measurement_period
@@ -255,14 +254,8 @@ class GpsSignals(Jamming, Component):
         _, satellite, *_ = reception.received(orbit, week, second, position_e)
         _, unit_e = sight.ranges(position_e, satellite)
         up = -(unit_e @ c_ne.T)[:, 2] >= np.sin(self.elevation_mask)
-        number = self.placed
-        placed = np.any(number[:, None] == prn, axis=0)
-        wanted = finite & usable & up & np.logical_not(placed)
-        free = (number == 0) & (np.arange(PLACES) < self.channels)
-        turn = np.where(wanted, np.cumsum(wanted), 0)
-        place = np.where(free, np.cumsum(free), -1)
-        found = np.sum(np.where(place[:, None] == turn, prn, 0), axis=1)
-        self.placed = np.where(free, found, number)
+        wanted = finite & usable & up & np.logical_not(places.has_one(self.placed, SATELLITES))
+        self.placed = places.filled(self.placed, wanted, prn, self.channels)
 
     @every("measurement_period")
     def measure(self, noise):
@@ -298,8 +291,9 @@ class GpsSignals(Jamming, Component):
         ratio = np.where(tracked, ratio, 1e4)
 
         # what is wrong with it
-        self.own = self._wander(self.own, self.own_time, normal[0])
-        self.reflected = self._wander(self.reflected, self.multipath_time, normal[1])
+        another = number != self.signals.number
+        self.own = np.where(another, normal[0], self._wander(self.own, self.own_time, normal[0]))
+        self.reflected = np.where(another, normal[1], self._wander(self.reflected, self.multipath_time, normal[1]))
         self.common = np.stack(
             [
                 self._wander(self.common[0], self.ionosphere_time, shared[0]),

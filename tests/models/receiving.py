@@ -32,9 +32,11 @@ class Receiving:
         inputs: Callable[[float], dict[str, Any]] = lambda _: {},
         solver: dict[str, Any] | None = None,
         record: Iterable[str] = (),
+        every: int = 1,
         **parameters: Any,
     ) -> dict[str, np.ndarray]:
-        """Outputs of both after each second, (seconds, ...), at PLACE unless ``inputs`` say otherwise."""
+        """Outputs of both after each second, (seconds, ...), at PLACE unless ``inputs`` say otherwise; or ``every`` so
+        many seconds, in one step."""
         models = ((self.receiver, parameters), (self.solver, {"tick_period": 1.0, **(solver or {})}))
         for model, values in models:
             model.fmu.reset()
@@ -47,15 +49,15 @@ class Receiving:
         shown = ["satellites", "jamming", "clock_bias", "clock_drift", "elevation", *record]
         solved = ["fix.latitude", "fix.longitude", "fix.altitude", "fix.velocity_n", "fix.valid", "excluded", "squares"]
         found: dict[str, list[Any]] = {}
-        for k in range(seconds):
+        for k in range(0, seconds, every):
             for name, value in {**PLACE, **inputs(float(k))}.items():
                 self.receiver._set(self.receiver.fmu, name, value)
-            self.receiver.fmu.doStep(float(k), 1.0)
+            self.receiver.fmu.doStep(float(k), float(every))
             for name in passed:
                 value = self.get(self.receiver, name)
                 self.solver._set(self.solver.fmu, name, value)
                 found.setdefault(name, []).append(value)
-            self.solver.fmu.doStep(float(k), 1.0)
+            self.solver.fmu.doStep(float(k), float(every))
             for name in shown:
                 found.setdefault(name, []).append(self.get(self.receiver, name))
             for name in solved:

@@ -7,7 +7,7 @@ import pymap3d
 import pytest
 
 from fmus.satellite.gps_signals import GpsSignals
-from models.satellite import orbit, slots
+from models.satellite import multipath, orbit, selection, slots
 from models.satellite.ephemeris import COLUMNS, Ephemeris
 from navfmu import NavfmuError
 from navfmu.export import Grid, Table
@@ -293,3 +293,50 @@ def test_errors_of_ranges_have_the_spread_of_their_parts(receiving):
         drawn.append((found["signals.pseudorange"] - quiet["signals.pseudorange"])[found["signals.tracked"] > 0.0])
     drawn = np.concatenate(drawn)
     assert np.mean(drawn**2) / 9.0 == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / len(drawn)))
+
+
+class OneByOne(GpsSignals):
+    """32 satellites on one orbit, of which one after the other is above the mask, for some time each."""
+
+    name = "gps_signals_one_by_one"
+    orbits = Table(
+        columns=COLUMNS,
+        rows=Ephemeris.of(np.repeat(slots.constellation()[:1], 32, axis=0))
+        ._replace(
+            place=selection.place(np.arange(1.0, 33.0), *slots.EPOCH),
+            prn=np.arange(1.0, 33.0),
+            mean_anomaly=np.radians(np.arange(32) * 360.0 / 32),
+        )
+        .rows(),
+        key="place",
+    )
+
+
+@pytest.mark.parametrize("what", ["own_sigma", "multipath_scale"])
+def test_a_satellite_in_a_place_that_became_free_has_errors_of_its_own(tmp_path, what):
+    """Errors that last for ever, so that each satellite has one number, in one channel.
+
+    That number has the variance 1 from the first sample, and those of two that follow each other are independent: both
+    within 4 sigma. An error that stayed in its place would be one number for all, with a correlation of 1; one that
+    began at 0 would be 0.
+    """
+    forever = {"own_time": 1e15, "multipath_time": 1e15, "channels": 1, "measurement_period": 60.0}
+    forever |= {"search_period": 60.0, "elevation_mask": 1.0}
+    receiving, drawn = Receiving(tmp_path, OneByOne), []
+    quiet = receiving.run(80_000, every=60, **QUIET, **forever)
+    number = quiet["signals.number"][:, 0]
+    first = np.flatnonzero((number > 0) & (number != np.roll(number, 1)))
+    for seed in range(10):
+        found = receiving.run(80_000, every=60, **{**QUIET, what: 1.0, "seed": seed + 1}, **forever)
+        error = (found["signals.pseudorange"] - quiet["signals.pseudorange"])[:, 0]
+        if what == "multipath_scale":
+            error = error / multipath.sigma(quiet["elevation"][:, 0])
+        drawn.append(error[first])
+        for begin in first:  # for ever
+            same = error[begin:][: np.argmax(number[begin:] != number[begin])]
+            np.testing.assert_allclose(same, error[begin], atol=0.3)
+    drawn = np.array(drawn)
+    assert drawn.size > 80
+    assert np.mean(drawn**2) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / drawn.size))
+    following = drawn[:, 1:] * drawn[:, :-1]
+    assert abs(np.mean(following)) < 4.0 / np.sqrt(following.size)
