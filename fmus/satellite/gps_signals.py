@@ -277,7 +277,7 @@ class GpsSignals(Jamming, Component):
         power = signal_power.of_satellite(distance, self.signal_margin + self._gain(unit_n, c_nb))
         interference = self._interference(c_ne, lambda unit_n: self._gain(unit_n, c_nb))
         ratio = signal_power.carrier_to_noise(power, interference, self.noise_density, self.jammer_spread)
-        silent = self._by_number(self.satellite_off, number) > 0.0
+        silent, wrong, running = self._failures(number)
         heard = up & np.logical_not(silent | self.jammed | self._within_region())
         strong = heard & (ratio >= signal_power.ratio(self.acquisition_threshold))
         normal, shared = np.reshape(noise(4 * PLACES), (4, PLACES)), noise(4)
@@ -300,14 +300,11 @@ class GpsSignals(Jamming, Component):
                 self._wander(self.common[1], self.troposphere_time, shared[1]),
             ]
         )
-        runs = self.range_ramp != 0.0
-        self.run_away = np.where(runs, self.run_away + self.period * known(self.range_ramp, 0.0), 0.0)
-        wrong = self._by_number(known(self.range_step, 0.0) + self.run_away, number)
         own = ageing.sigma(self.own_sigma, self.upload_age) * (1.0 + known(self.accuracy_lie, 0.0)) * self.own
         sigma = tracking.code_sigma(ratio, self.loop_bandwidth, self.detection_bandwidth, self.spacing)
         error = own + wrong + self.multipath_scale * multipath.sigma(elevation) * self.reflected + sigma * normal[2]
         rate_sigma = tracking.rate_sigma(phase, self.rate_interval)
-        rate_error = self._by_number(known(self.range_ramp, 0.0), number) + rate_sigma * normal[3]
+        rate_error = running + rate_sigma * normal[3]
 
         # the clock, and what the air adds
         felt = np.sum(self.clock_sensitivity * known(self.specific_force, 0.0))
@@ -426,10 +423,14 @@ class GpsSignals(Jamming, Component):
         azimuth, elevation = antenna.direction(unit_n, c_nb)
         return self.antenna.around(azimuth=azimuth, elevation=elevation).bilinear()[:, 0]
 
-    def _by_number(self, values, number):
-        """Of a value for each PRN that of the satellites in each place, 0 where none is."""
+    def _failures(self, number):
+        """Whether the satellite in each place is silent, by how much it is too far, m, and its rate, m/s."""
+        rate = known(self.range_ramp, 0.0)
+        self.run_away = np.where(self.range_ramp != 0.0, self.run_away + self.period * rate, 0.0)
+        wrong = known(self.range_step, 0.0) + self.run_away
         prn = np.arange(1, SATELLITES + 1)
-        return np.sum(np.where(number == prn[:, None], values[:, None], 0.0), axis=0)
+        found = np.stack([1.0 * self.satellite_off, wrong, rate]) @ np.where(number == prn[:, None], 1.0, 0.0)
+        return found[0] > 0.0, found[1], found[2]
 
     def _wander(self, value, time_constant, normal):
         phi = gauss_markov.decay(self.period, time_constant)

@@ -207,8 +207,8 @@ class GpsSolver(Component):
         remains = np.where(s.correction_sigma > 0.0, s.correction_sigma, self.differential_sigma)
         weight = solution.weights(kept[:-1] > 0.0, sine, delay, s.accuracy, s.corrected, remains, self.equal_sigma)
         weight = self._rows(weight, self.altitude_sigma**-2)
-        place, clock = solution.approach(place, clock, measured, weight, 2)
-        found = solution.solution(place, clock, measured, weight)
+        place, clock = least_squares.step(place, clock, measured, weight)
+        place, clock, found = solution.solution(place, clock, measured, weight)
         detected = solution.alarmed(found, weight, self.thresholds)
         self.squares, self.detected = found.squares(weight), detected
         self.threshold = solution.of_freedom(self.thresholds, weight)

@@ -99,8 +99,12 @@ def compare(position_e, clock, measured):
 def step(position_e, clock, measured, weight):
     """Position and clock after one step of Gauss and Newton."""
     h, misfit, rotation, _ = compare(position_e, clock, measured)
-    moved = estimate(covariance(h, weight), h, weight, misfit)
-    return position_e + moved[:3] @ rotation, clock + moved[3]
+    return moved(position_e, clock, estimate(covariance(h, weight), h, weight, misfit), rotation)
+
+
+def moved(position_e, clock, by, rotation):
+    """Position and clock that are moved by north, east, down and clock, (4,)."""
+    return position_e + by[:3] @ rotation, clock + by[3]
 
 
 def velocity(unit_e, position_e, satellite_velocity_e, range_rate, h, weight, rotation):

@@ -90,9 +90,15 @@ class Solution(NamedTuple):
 
 
 def solution(position_e, clock, measured, weight):
-    """Geometry and residuals at a position."""
-    h, residual, rotation, unit_e = least_squares.compare(position_e, clock, measured)
-    return Solution(h, least_squares.covariance(h, weight), residual, rotation, unit_e)
+    """Position and clock after a last step of Gauss and Newton, and their solution.
+
+    Its geometry is that before the step, and residuals are what the step leaves: if it is 1 km they are 25 mm off, and
+    it is some cm where another step was made before.
+    """
+    h, misfit, rotation, unit_e = least_squares.compare(position_e, clock, measured)
+    p = least_squares.covariance(h, weight)
+    by = least_squares.estimate(p, h, weight, misfit)
+    return *least_squares.moved(position_e, clock, by, rotation), Solution(h, p, misfit - h @ by, rotation, unit_e)
 
 
 def alarmed(found, weight, thresholds):
@@ -117,8 +123,9 @@ def exclude(position_e, clock, found, measured, weight, thresholds, most):
         tested = raim.standardised(found.residual, weight, raim.redundancy(found.p, found.h, weight))
         wrong = np.logical_and(alarmed(found, weight, thresholds), freedom(weight) > 1.5)
         weight = np.where(np.logical_and(wrong, dilution.least(-tested, weight > 0.0)), 0.0, weight)
-        position_e, clock = approach(position_e, clock, measured, weight, 2)
-        return position_e, clock, weight, *solution(position_e, clock, measured, weight)
+        position_e, clock = least_squares.step(position_e, clock, measured, weight)
+        position_e, clock, found = solution(position_e, clock, measured, weight)
+        return position_e, clock, weight, *found
 
     position_e, clock, weight, *found = repeat(without_one, (position_e, clock, weight, *found), most, 4)
     return position_e, clock, Solution(*found), weight
