@@ -176,7 +176,7 @@ class GpsSolver(Component):
         told = np.isfinite(clean + np.sum(s.satellite_e, axis=1))
         tracked = s.tracked & told & (s.signal_to_noise >= self.signal_mask) & s.valid
         satellite_e = np.where(tracked[:, None], s.satellite_e, np.array([4.0 * earth.EQUATORIAL_RADIUS, 0.0, 0.0]))
-        height = np.array([np.where(self.altitude.valid, self.altitude.height, 0.0)])
+        height = np.array([np.where(self._altitude_told(), self.altitude.height, 0.0)])
 
         # near enough for delays and elevations
         known = self.fix.valid
@@ -236,10 +236,13 @@ class GpsSolver(Component):
             np.where(modelled, of_troposphere, 0.0),
         )
 
+    def _altitude_told(self):
+        return self.altitude.valid & np.isfinite(self.altitude.height)
+
     def _rows(self, satellites, altitude):
         """Weights of satellites and of the altitude, if that is used with so many of them."""
         count = np.sum(np.where(satellites > 0.0, 1.0, 0.0))
-        aided = self.altitude.valid & (count < self.altitude_below)
+        aided = self._altitude_told() & (count < self.altitude_below)
         return np.concatenate([np.where(satellites > 0.0, satellites, 0.0), np.array([np.where(aided, altitude, 0.0)])])
 
     def _tell(self, found, place, clock, weight, satellite_e):

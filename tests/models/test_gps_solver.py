@@ -209,6 +209,14 @@ def test_an_altitude_is_not_asked_where_four_satellites_are(solver):
     assert always["fix.altitude"] == pytest.approx(0.0, abs=10.0)
 
 
+def test_an_altitude_that_is_no_number_spoils_no_fix(solver):
+    """It was asked for by nobody, and took the fix of nine satellites away; of three it makes none."""
+    given = {"altitude.height": np.nan, "altitude.valid": True}
+    found = solve(solver, signals(Place(), 9) | given)
+    assert found["satellites"] == 9 and error(found, Place()) < 1e-3
+    assert not solve(solver, signals(Place(), 3) | given)["fix.valid"]
+
+
 def test_channels_limit_what_is_used(solver):
     """Four of ten, which lie well."""
     made = signals(Place(), 10)
