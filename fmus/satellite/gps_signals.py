@@ -16,9 +16,11 @@ from models.satellite import (
     ageing,
     antenna,
     augmentation,
+    dilution,
     gps,
     gps_time,
     klobuchar,
+    least_squares,
     multipath,
     receiver_clock,
     reception,
@@ -27,6 +29,7 @@ from models.satellite import (
     sight,
     signal_power,
     slots,
+    solution,
     tracking,
 )
 from models.satellite.ephemeris import COLUMNS, Ephemeris
@@ -61,7 +64,9 @@ class GpsSignals(Jamming, Component):
     (`loop_order` second) or jerk (third) of `specific_force` are above 45 degrees, and, with `slips`, at Viterbi's rate
     of cycle slips; and found again once it has been above `acquisition_threshold` for
     `acquisition_time` (RTO MP-43, Sabatini: 20 s). Each `search_period` satellites that have come above
-    `elevation_mask` are given places, while one of `channels` is free, and keep them until they set.
+    `elevation_mask` are given places, while one of `channels` is free, and keep them until they set. Where more have
+    come than there are channels, those are left out without which the dilution grows least, and all are chosen anew
+    when it is above `dilution_limit`.
 
     Augmentation (`waas`). Corrections of orbit, clock and ionosphere, and a model of the troposphere, as one number for
     each satellite; they leave `waas_share` of the errors that they say they may leave (RTCA DO-229, appendix J). Lost,
@@ -121,6 +126,9 @@ class GpsSignals(Jamming, Component):
         description="lower satellites are not tracked",
     )
     channels = Parameter(kind="integer", start=PLACES, min=1, max=PLACES, description="satellites tracked at most")
+    dilution_limit = Parameter(
+        "1", start=6.0, min=1.0, description="with fewer channels than satellites: all are chosen anew above this GDOP"
+    )
     signal_margin = Parameter("1", start=2.0, description="power above the least guaranteed one, dB")
     noise_density = Parameter("1", start=signal_power.NOISE_DENSITY, description="of receiver and antenna, dBW/Hz")
     loop_bandwidth = Parameter("Hz", start=0.5, min=1e-3, max=50.0, description="of the code loop, one-sided")
@@ -246,16 +254,24 @@ class GpsSignals(Jamming, Component):
 
     @every("search_period", offset="measurement_period")
     def search(self):
-        """Give free places to satellites above the mask that have none, in the order of their numbers."""
+        """Give free places to satellites above the mask that have none, in the order of their numbers; where there are
+        too few, to those that lie best beside those that have one, or to the best of all if that is poor."""
         week, second = self._now()
         position_e, _, c_ne, finite = self._motion()
         prn = np.arange(1, SATELLITES + 1)
         orbit, usable = self._orbits(1.0 * prn, week, second)
         _, satellite, *_ = reception.received(orbit, week, second, position_e)
         _, unit_e = sight.ranges(position_e, satellite)
-        up = -(unit_e @ c_ne.T)[:, 2] >= np.sin(self.elevation_mask)
-        wanted = finite & usable & up & np.logical_not(places.has_one(self.placed, SATELLITES))
-        self.placed = places.filled(self.placed, wanted, prn, self.channels)
+        unit_n = unit_e @ c_ne.T
+        seen = finite & usable & (-unit_n[:, 2] >= np.sin(self.elevation_mask))
+        placed = places.has_one(self.placed, SATELLITES)
+        rows = np.concatenate([np.where(seen | placed, 1.0, 0.0), np.zeros(1)])  # no altitude
+        h = least_squares.design(unit_n)
+        kept = solution.choose(h, rows, self.channels, placed)
+        poor = dilution.dilutions(least_squares.covariance(h, kept))[0] > self.dilution_limit
+        kept = solution.choose(h, np.where(poor, rows, kept), self.channels)[:-1] > 0.0
+        number = np.where(np.any((self.placed[:, None] == prn) & kept, axis=1), self.placed, 0)
+        self.placed = places.filled(number, kept & np.logical_not(placed), 1.0 * prn, self.channels)
 
     @every("measurement_period")
     def measure(self, noise):
@@ -285,13 +301,19 @@ class GpsSignals(Jamming, Component):
         steady = tracking.holds(phase, unit_n @ self._lag(c_nb)) & np.logical_not(self._slipped(phase, normal[2:]))
         strong = strong & steady
         holding = heard & (ratio >= self.least) & steady
+        another = number != self.signals.number
+        swapped = another & (self.signals.number > 0)
         tracked, self.strong_for = tracking.locked(
-            self.signals.tracked, self.strong_for, strong, holding, self.period, self.acquisition_time
+            self.signals.tracked & np.logical_not(swapped),
+            np.where(swapped, 0.0, self.strong_for),
+            strong,
+            holding,
+            self.period,
+            self.acquisition_time,
         )
         ratio = np.where(tracked, ratio, 1e4)
 
         # what is wrong with it
-        another = number != self.signals.number
         self.own = np.where(another, normal[0], self._wander(self.own, self.own_time, normal[0]))
         self.reflected = np.where(another, normal[1], self._wander(self.reflected, self.multipath_time, normal[1]))
         self.common = np.stack(

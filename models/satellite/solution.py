@@ -51,16 +51,16 @@ def approach(position_e, clock, measured, weight, count):
     return repeat(closer, (position_e, clock), count, SETTLING)
 
 
-def choose(h, weight, channels):
+def choose(h, weight, channels, held=False):
     """Weights of at most so many satellites: those are left out, one by one, without which the dilution grows least.
 
-    ``weight`` is 1 or 0. The last row, the altitude, needs no channel.
+    ``weight`` is 1 or 0. The last row, the altitude, needs no channel; satellites that are ``held`` keep theirs.
     """
 
     def without_one(kept):
         growth = dilution.growth(least_squares.covariance(h, kept), h, kept)[:-1]
         # three and an altitude, or four, are kept however they lie: one more cannot be missed
-        out = dilution.least(growth, kept[:-1] > 0.0)
+        out = dilution.least(growth, (kept[:-1] > 0.0) & np.logical_not(held))
         return np.concatenate([np.where(out, 0.0, kept[:-1]), kept[-1:]])
 
     return repeat(without_one, weight, np.sum(weight[:-1]) - channels, weight.shape[0] - 1)
