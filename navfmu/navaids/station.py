@@ -91,13 +91,18 @@ class Stations:
 
     @classmethod
     def of(cls, source: str, found: Iterable[Station]) -> Stations:
-        """Those of a file that can be used; the first of a transponder stays."""
+        """Those of a file that can be used; the first of a transponder stays, and none if one has a bias."""
         found = list(found)
         kept: dict[float, list[Station]] = {}
+        wrong: dict[float, list[Station]] = {}
+        for one in found:
+            if one.bias:
+                wrong.setdefault(round(one.frequency, 2), []).append(one)
         biased = repeated = 0
         for one in found:
-            others = kept.setdefault(round(one.frequency, 2), [])
-            if one.bias:
+            channel = round(one.frequency, 2)
+            others = kept.setdefault(channel, [])
+            if any(_together(one, other) for other in wrong.get(channel, ())):
                 biased += 1
             elif any(_together(one, other) for other in others):
                 repeated += 1

@@ -154,6 +154,16 @@ def test_of_one_channel_and_place_there_is_one_and_of_two_channels_two(tmp_path)
     assert [one.ident for one in found.stations] == ["A", "B", "C", "E", "A"] and found.repeated == 1
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_transponder_of_which_one_row_tells_a_bias_is_not_used(tmp_path, first):
+    """Two ILS of one runway: its delay is that of the one that is on. Wrong: the other row taken, in either order."""
+    biased = TABLE.replace("name", "bias_nmi").replace("WEST", "0").replace('"EAST, OF IT"', "0").replace("NORTH", "0")
+    rows, other = biased.splitlines(), "D,37.0002,-122.0,0,110.0,100,2.0"
+    rows.insert(1 + first, other)
+    found = read(given(tmp_path, "\n".join(rows), "stations.csv"))
+    assert [one.ident for one in found.stations] == ["B", "C"] and (found.biased, found.repeated) == (2, 0)
+
+
 def test_the_nearest_come_first(tmp_path):
     found = read(given(tmp_path, TABLE, "stations.csv"))
     near = found.within(np.radians(37.1), np.radians(-121.2), 150e3)
