@@ -63,8 +63,8 @@ class Station:
         code = o.named("C1C")[row]
         prn = np.flatnonzero(np.isfinite(code)) + 1
         week, second = o.week[row], o.second[row] + (LEAP if left_out == "leap seconds" else 0.0)
-        orbits = selection.around(self.orbits.rows, prn, week, second)
-        chosen = selection.nearest(*orbits, prn, week, second)
+        orbits = selection.around(selection.finder(self.orbits.rows), prn, week, second)
+        chosen = selection.nearest(orbits, prn, week, second)
         usable = selection.usable(chosen, prn, week, second)
         sent = satellite_clock.sending_time(chosen, week, second, code[prn - 1])
         if left_out == "travel":

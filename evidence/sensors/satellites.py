@@ -83,7 +83,7 @@ class Found:
 
 def used(rows: np.ndarray, prn, week, second, future: bool = True) -> tuple[Ephemeris, np.ndarray]:
     """The ephemeris that is chosen for each, and whether it is usable."""
-    one = selection.nearest(*selection.around(rows, prn, week, second), prn, week, second, future)
+    one = selection.nearest(selection.around(selection.finder(rows), prn, week, second), prn, week, second, future)
     return one, selection.usable(one, prn, week, second, future)
 
 

@@ -439,7 +439,7 @@ class GpsSignals(Jamming, Component):
     def _told(self, number, week, second):
         around = self.orbits.around(place=selection.place(number, week, second))
         found = Ephemeris.of(around.row), Ephemeris.of(around.next_row)
-        return selection.nearest(*found, number, week, second)
+        return selection.nearest(found, number, week, second)
 
     def _gain(self, unit_n, c_nb):
         azimuth, elevation = antenna.direction(unit_n, c_nb)

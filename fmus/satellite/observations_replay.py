@@ -90,9 +90,8 @@ class ObservationsReplay(replay.face(GpsSignals), Component):
     def measure(self):
         epoch = replay.latest(self, "observations", self.delay)
         prn, week, second = epoch["number"], epoch["week"], epoch["second"]
-        around = self.orbits.around(place=selection.place(prn, week, second))
-        earlier, later = Ephemeris.of(around.row), Ephemeris.of(around.next_row)
-        ephemeris = selection.nearest(earlier, later, prn, week, second, self.future)
+        around = selection.around(self._find, prn, week, second)
+        ephemeris = selection.nearest(around, prn, week, second, self.future)
         usable = selection.usable(ephemeris, prn, week, second, self.future)
         position, velocity, clock, rate = broadcast.sent(ephemeris, week, second, epoch["pseudorange"])
         here = prn[:, None] == np.arange(1, SATELLITES + 1)
@@ -118,3 +117,8 @@ class ObservationsReplay(replay.face(GpsSignals), Component):
             satellite_clock_rate=np.where(usable, rate, 0.0),
             accuracy=ephemeris.accuracy,
         )
+
+    def _find(self, place):
+        """The orbit at or before a place in the table, and the next one."""
+        found = self.orbits.around(place=place)
+        return Ephemeris.of(found.row), Ephemeris.of(found.next_row)

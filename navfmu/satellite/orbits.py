@@ -164,6 +164,11 @@ def _ordered(source: str, kind: str, rows: np.ndarray, ionosphere: np.ndarray | 
     names = [name for name, _ in COLUMNS]
     sent = rows[:, names.index("sent_week")] * WEEK + rows[:, names.index("sent")]
     rows = rows[np.lexsort((sent, rows[:, 0]))]
+    told = rows[:, [k for k, name in enumerate(names) if name not in ("sent_week", "sent")]]
+    first = np.append(True, np.any(np.diff(told, axis=0), axis=1))  # it was known from then on
+    if again := int(np.count_nonzero(~first)):
+        remarks = [*remarks, f"{again} orbit(s) are left out: they were sent before"]
+    rows = rows[first]
     last = np.append(np.diff(rows[:, 0]) > 0.0, True)
     if gone := int(np.count_nonzero(~last)):
         remarks = [

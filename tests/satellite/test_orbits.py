@@ -102,6 +102,15 @@ def test_rows_are_in_order_and_the_later_of_two_messages_stays(tmp_path):
         assert any("1 orbit(s)" in sentence for sentence in found.sentences())
 
 
+def test_a_message_that_is_sent_again_was_known_before(tmp_path):
+    """Taken from the last time on, a receiver would have had no orbit until then."""
+    again = made.GLAB.replace("0.172770000000D+06", "0.172790000000D+06")
+    for messages in ((made.GLAB, again), (again, made.GLAB, again)):
+        found = read(tmp_path, made.navigation_2(*messages))
+        assert found.column("sent").tolist() == [172770.0]
+        assert f"{len(messages) - 1} orbit(s) are left out: they were sent before" in found.sentences()
+
+
 def test_a_table_goes_through_a_file_of_numbers(tmp_path):
     found = read(tmp_path, made.navigation_2(made.REMONDI, made.GLAB))
     back = unpacked(packed(found.table()), "file", as_written=True)
