@@ -11,7 +11,8 @@ from navfmu.satellite.header import is_rinex
 from navfmu.satellite.lines import Lines
 from navfmu.satellite.orbits import Orbits
 
-EXPECTED = "a RINEX navigation file of version 2 or 3, a YUMA or a SEM almanac"
+BROADCAST = "a RINEX navigation file of version 2 or 3"
+EXPECTED = f"{BROADCAST}, a YUMA or a SEM almanac"
 
 
 def read_orbits(path: str | Path, near: date | None = None) -> Orbits:
@@ -29,3 +30,12 @@ def read_orbits(path: str | Path, near: date | None = None) -> Orbits:
     if sem.is_sem(lines):
         return sem.read(lines, near)
     raise NavfmuError(f"{path}: begins like no file of orbits; expected {EXPECTED}")
+
+
+def read_broadcast(path: str | Path) -> Orbits:
+    """Read what satellites broadcast, exact to a metre, and refuse almanacs."""
+    lines = Lines(path, BROADCAST)
+    for kind, is_it in ((yuma.KIND, yuma.is_yuma), (sem.KIND, sem.is_sem)):
+        if not is_rinex(lines) and is_it(lines):
+            raise NavfmuError(f"{path}: is a {kind}, whose satellites are off by a kilometre; expected {BROADCAST}")
+    return navigation.read(lines)

@@ -15,9 +15,8 @@ from navfmu.recorded.observations.doubts import doubts
 from navfmu.recorded.observations.epochs import Epochs, held, take
 from navfmu.recorded.observations.imported import FEWEST, OBSERVATIONS, Imported, listed
 from navfmu.recorded.observations.trial import trial
-from navfmu.satellite import navigation
 from navfmu.satellite.calendar import ROLLOVER, WEEK
-from navfmu.satellite.file import read_orbits
+from navfmu.satellite.file import read_broadcast
 from navfmu.satellite.observations import Observations, read_observations
 from navfmu.satellite.orbits import Orbits, joined, moment
 
@@ -43,7 +42,7 @@ def import_observations(
     solver : the FMU ``gps_solver``, which solves some epochs to see whether all fits; without it nobody looks
     """
     player, found = str(player), read_observations(file)
-    orbits = joined([_orbits(path) for path in nav])
+    orbits = joined([read_broadcast(path) for path in nav])
     places = sum(label.startswith("number[") for label in tables.read(tables.contents(player), OBSERVATIONS, player))
     epochs = take(found, places, names or {}, start)
     good = held(epochs, orbits)
@@ -58,15 +57,6 @@ def import_observations(
             raise NavfmuError(f"{found.source}: {sentence}. If all is as it should be, --unchecked takes it")
         remarks.append(f"not plausible, and taken: {sentence}")
     return replace(made, remarks=tuple(remarks))
-
-
-def _orbits(path: str | Path) -> Orbits:
-    found = read_orbits(path, None)
-    if found.kind != navigation.KIND:
-        raise NavfmuError(
-            f"{path}: is a {found.kind}, whose satellites are off by a kilometre; expected a RINEX navigation file"
-        )
-    return found
 
 
 def _why_none_holds(found: Observations, epochs: Epochs, orbits: Orbits) -> str:
