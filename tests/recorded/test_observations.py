@@ -291,6 +291,17 @@ def test_a_receiver_that_tells_no_strength_is_solved_as_another(imported, solved
     np.testing.assert_allclose(east_north_up(sky, solved(found)), 0.0, atol=5e-3)
 
 
+def test_signals_that_are_hardly_there_are_told(imported):
+    """Of a receiver behind an attenuator four signals of 16 to 20 dB-Hz made positions that were 60 km off."""
+    sky = Sky()
+    seen = sky.observations(EPOCHS[:2])
+    count = seen.count(f"{45.0:14.3f}")
+    found = imported(seen.replace(f"{45.0:14.3f}", f"{18.0:14.3f}", 3), sky.navigation())
+    (told,) = (sentence for sentence in found.sentences() if "weaker" in sentence)
+    assert told.startswith(f"3 of {count} measurements are weaker than 25 dB-Hz")
+    assert not any("weaker" in sentence for sentence in imported(seen, sky.navigation()).sentences())
+
+
 def test_files_that_are_cut_off_or_others(imported):
     sky = Sky()
     seen, sent = sky.observations(EPOCHS[:2]), sky.navigation()

@@ -33,7 +33,7 @@ class Epochs:
     pseudorange, range_rate, signal_to_noise : (n, places) m, m/s, dB-Hz
     before : epochs before t = 0, which are left out
     lacking : pseudoranges without a Doppler, which are left out
-    weak : whether there is no C/N0, which is 0 then
+    untold : whether there is no C/N0, which is 0 then
     """
 
     time: np.ndarray
@@ -45,7 +45,7 @@ class Epochs:
     signal_to_noise: np.ndarray
     before: int
     lacking: int
-    weak: bool = False
+    untold: bool = False
 
     def __len__(self) -> int:
         return len(self.time)
@@ -71,10 +71,10 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
     names : names of observations for some of USUAL
     start : second of the first epoch's week that is t = 0; without it the first epoch is
     """
-    weak = SIGNAL not in names and USUAL[SIGNAL] not in found.values
-    kinds = [what for what in USUAL if what != SIGNAL or not weak]
+    untold = SIGNAL not in names and USUAL[SIGNAL] not in found.values
+    kinds = [what for what in USUAL if what != SIGNAL or not untold]
     code, doppler, *strengths = (_named(found, what, names.get(what, USUAL[what])) for what in kinds)
-    strength = np.zeros_like(code) if weak else strengths[0]
+    strength = np.zeros_like(code) if untold else strengths[0]
     begin = float(found.second[0]) if start is None else start
     if abs(found.second[0] - begin) > WEEK:
         raise NavfmuError(
@@ -106,7 +106,7 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
         at_places(strength),
         int(rows[0]),
         int(np.count_nonzero(np.isfinite(code) & ~complete)),
-        weak,
+        untold,
     )
 
 

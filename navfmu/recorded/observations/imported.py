@@ -26,6 +26,8 @@ from navfmu.ssp.writer import values_document
 OBSERVATIONS, ORBITS = "observations", "orbits"
 FEWEST = 4
 """Satellites of which a position can be made."""
+FAINT = 25.0
+"""dB-Hz below which loops lose a carrier: what is measured may be anything, and with four satellites nothing shows it."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,13 @@ class Imported:
             yield f"{epochs.before} epoch(s) before t = 0 are left out"
         if epochs.lacking:
             yield f"{epochs.lacking} pseudorange(s) without a Doppler are left out"
-        if epochs.weak:
+        if epochs.untold:
             yield f"there is no {USUAL[SIGNAL]}: C/N0 is told as 0 dB-Hz"
+        elif faint := int(np.count_nonzero(seen & (epochs.signal_to_noise < FAINT))):
+            yield (
+                f"{faint} of {np.count_nonzero(seen)} measurements are weaker than {FAINT:g} dB-Hz, where receivers "
+                f"follow noise: with signal_mask={FAINT:g} gps_solver leaves them out"
+            )
         gone = seen & ~self.good
         if gone.any():
             which = np.unique(epochs.number[gone]).astype(int)
