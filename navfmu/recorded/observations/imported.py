@@ -27,7 +27,7 @@ OBSERVATIONS, ORBITS = "observations", "orbits"
 FEWEST = 4
 """Satellites of which a position can be made."""
 FAINT = 25.0
-"""dB-Hz below which loops lose a carrier: what is measured may be anything, and with four satellites nothing shows it."""
+"""dB-Hz below which loops lose a carrier: what is measured may be anything; with four satellites nothing shows it."""
 
 
 @dataclass(frozen=True)
