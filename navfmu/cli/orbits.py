@@ -12,7 +12,7 @@ import click
 def command(files, near, out):
     """Show the satellites of FILE..., and write their orbits and clocks as a table.
 
-    A FILE is a RINEX navigation file of version 2 or 3, a YUMA or a SEM almanac, plain or packed by gzip. Almanacs
+    A FILE is a RINEX navigation file of version 2 to 4, a YUMA or a SEM almanac, plain or packed by gzip. Almanacs
     count weeks modulo 1024: --near tells one from that of 20 years before. Files of several days go into one table.
 
     \b

@@ -38,7 +38,7 @@ def command(sensor, file, out, name, picture, nav, ionosphere, columns, units, a
 
     FILE is a table, CSV or Parquet, or a log of PX4 (.ulg). Each sample is published at the first tick that is not
     before its time. What is found in the file, and what is lost, is printed. For observations of satellites FILE is a
-    RINEX file of version 2 or 3, --nav names one of orbits (or several), and the FMU feeds gps_solver.
+    RINEX file of version 2 to 4, --nav names one of orbits (or several), and the FMU feeds gps_solver.
 
     \b
     navfmu replay imu flight.parquet --out imu_flight.fmu

@@ -22,7 +22,7 @@ OF_VERSION_2 = {
     "C1": "C1C", "P1": "C1W", "L1": "L1C", "D1": "D1C", "S1": "S1C", "C2": "C2X", "P2": "C2W", "L2": "L2W",
     "D2": "D2W", "S2": "S2W", "C5": "C5X", "L5": "L5X", "D5": "D5X", "S5": "S5X",
 }  # fmt: skip
-"""Names of version 2 and those of version 3 for the same."""
+"""Names of version 2 and those of version 3, and 4, for the same."""
 
 
 @dataclass

@@ -11,7 +11,7 @@ from navfmu.satellite.header import is_rinex
 from navfmu.satellite.lines import Lines
 from navfmu.satellite.orbits import Orbits
 
-BROADCAST = "a RINEX navigation file of version 2 or 3"
+BROADCAST = "a RINEX navigation file of version 2, 3 or 4"
 EXPECTED = f"{BROADCAST}, a YUMA or a SEM almanac"
 
 

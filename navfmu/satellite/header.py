@@ -1,4 +1,4 @@
-"""The header of a RINEX file, versions 2 and 3: lines with a label from column 61 on."""
+"""The header of a RINEX file, versions 2 to 4: lines with a label from column 61 on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from navfmu.errors import NavfmuError
 from navfmu.satellite.lines import Lines
 
 FIRST, LAST = "RINEX VERSION / TYPE", "END OF HEADER"
-VERSIONS = (2.0, 4.0)
+VERSIONS = (2.0, 5.0)
 
 
 @dataclass(frozen=True)
@@ -32,27 +32,18 @@ class Header:
 
 def is_rinex(lines: Lines) -> bool:
     """Whether a file calls itself RINEX."""
-    return (bool(lines.text) and FIRST in lines.text[0]) or is_packed(lines)
-
-
-def is_packed(lines: Lines) -> bool:
-    """Whether the file is packed by Hatanaka's method."""
-    return bool(lines.text) and "CRINEX VERS" in lines.text[0]
+    return bool(lines.text) and FIRST in lines.text[0]
 
 
 def read_header(lines: Lines, type: str) -> Header:
     """Read the header of a file of a type."""
-    if is_packed(lines):
-        raise NavfmuError(
-            f"{lines.path}: is packed by Hatanaka's method; expected {lines.expected}, which the program crx2rnx makes"
-        )
     first = lines.line(1, "a header of RINEX")
     if first[60:].strip() != FIRST:
         raise lines.wrong(1, f"does not end with '{FIRST}'; expected {lines.expected}")
     version = lines.number(1, first[:9], "the version")
     low, high = VERSIONS
     if not low <= version < high:
-        raise lines.wrong(1, f"is of version {version:g}; expected 2 or 3")
+        raise lines.wrong(1, f"is of version {version:g}; expected 2, 3 or 4")
     if (found := first[20:21].upper()) != type:
         raise lines.wrong(1, f"the file is of type '{first[20:40].strip()}'; expected {lines.expected}")
     known: dict[str, list[tuple[int, str]]] = {}

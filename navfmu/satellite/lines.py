@@ -1,20 +1,17 @@
-"""Lines of a text file, plain or gzip, with sentences that say which line is wrong."""
+"""Lines of a text file, however it is packed, with sentences that say which line is wrong."""
 
 from __future__ import annotations
 
 import codecs
-import gzip
 import io
 import re
-import zlib
 from datetime import date
 from pathlib import Path
 
 from navfmu.errors import NavfmuError, quoted
-from navfmu.files.reading import read_bytes
+from navfmu.satellite.packed import unpacked
 
 BOM = codecs.BOM_UTF8
-LIMIT = 1 << 30  # bytes
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?")
 CENTURY = 80  # years of two digits from here on are 19..
 
@@ -27,7 +24,7 @@ class Lines:
 
     def __init__(self, path: str | Path, expected: str) -> None:
         self.path, self.expected = Path(path), expected
-        text = _content(self.path, expected).removeprefix(BOM).decode("latin1")
+        text = unpacked(self.path, expected).removeprefix(BOM).decode("latin1")
         self.text = io.StringIO(text, newline=None).read().split("\n")
         if not self.text[-1]:
             del self.text[-1]
@@ -79,18 +76,3 @@ class Lines:
         if found.year < 1980 or (found - date(1980, 1, 6)).days < 0:
             raise self.wrong(at, f"{found} is before GPS time begins, 1980-01-06")
         return found, hour * 3600.0 + minute * 60.0 + second
-
-
-def _content(path: Path, expected: str) -> bytes:
-    data = read_bytes(path, expected, LIMIT)
-    if data.startswith(b"\x1f\x9d"):
-        raise NavfmuError(f"{path}: is packed by compress (.Z); expected {expected}, as text or packed by gzip")
-    if not data.startswith(b"\x1f\x8b"):
-        return data
-    try:
-        data = gzip.GzipFile(fileobj=io.BytesIO(data)).read(LIMIT + 1)
-    except (EOFError, OSError, zlib.error) as error:
-        raise NavfmuError(f"{path}: cannot be unpacked: {error}; expected {expected}, all of it") from None
-    if len(data) > LIMIT:
-        raise NavfmuError(f"{path}: is larger than {LIMIT // 1_000_000} MB, expected {expected}")
-    return data

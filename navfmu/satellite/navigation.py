@@ -1,4 +1,4 @@
-"""RINEX navigation files, versions 2 and 3: the broadcast ephemerides of GPS, and Klobuchar's coefficients."""
+"""RINEX navigation files, versions 2 to 4: the broadcast ephemerides of GPS, and Klobuchar's coefficients."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ FIELDS = (
     ("accuracy", "health", "group_delay", ""),
     ("sent",),
 )
-"""What stands in the lines of an ephemeris (RINEX 3.05 table A6, 2.11 table A4); nobody asks for what has no name."""
+"""What stands in the lines of an ephemeris (RINEX 3.05 table A6, 2.11 table A4, and LNAV of 4.00); nobody asks for what
+has no name."""
 WIDTH = 19
 LIMIT = 7200.0
 """An ephemeris holds for two hours before and after t_oe: they are fitted over four hours."""
@@ -32,34 +33,55 @@ UNKNOWN = 0.9999e9
 """A time of transmission that RINEX does not know."""
 FAR = 43200.0
 """s between t_oc and t_oe, or between t_oe and transmission, that are taken for another week."""
-RECORD = re.compile(r"[A-Z][ \d]\d ")
+SATELLITE = re.compile(r"([A-Z])[ \d]\d ")
+TITLE = re.compile(r"> ([A-Z]{3}) ([A-Z])[ \d]{2} (\S+)")
+"""What a message begins with in version 3, and in version 4, where a line tells its type, satellite and kind."""
+EPHEMERIS, IONOSPHERE = ("G", "EPH G LNAV"), "ION G LNAV"
+LENGTHS = {**dict.fromkeys(EPHEMERIS, len(FIELDS)), IONOSPHERE: 3}
+"""Lines of the messages that are read."""
 
 
 def read(lines: Lines) -> Orbits:
     """Read the ephemerides of GPS; other systems are left out."""
     header = read_header(lines, "N")
     found, others, counted = [], {}, 0
+    ionosphere = _ionosphere(lines, header)
     at = header.end + 1
     while at <= len(lines):
-        text = lines.line(at, "an ephemeris")
-        if not text.strip():
+        if not lines.line(at, "an ephemeris").strip():
             at += 1
-        elif header.version < 3.0 or text.startswith("G"):
-            row, modulo = _ephemeris(lines, at, header)
+            continue
+        what, begin, at = _record(lines, at, header)
+        if what in EPHEMERIS:
+            row, modulo = _ephemeris(lines, begin, header)
             found.append(row)
             counted += modulo
-            at += len(FIELDS)
-        elif RECORD.match(text):
-            others[text[0]] = others.get(text[0], 0) + 1
-            at += 1
-            while at <= len(lines) and not RECORD.match(lines.line(at, "an ephemeris")):
-                at += 1
+        elif what == IONOSPHERE:
+            ionosphere = _ionosphere_of_message(lines, begin)
         else:
-            raise lines.wrong(at, f"begins with '{text[:4]}'; expected a satellite, as in 'G05 '")
-    remarks = [f"{number} message(s) of satellites {system} are left out" for system, number in others.items()]
+            others[what] = others.get(what, 0) + 1
+    remarks = [f"{number} message(s) of satellites {what} are left out" for what, number in others.items()]
     if counted:
         remarks.append(f"{counted} week(s) are counted modulo {ROLLOVER} in the file; their dates say which they are")
-    return orbits(lines, KIND, found, _ionosphere(lines, header), remarks)
+    return orbits(lines, KIND, found, ionosphere, remarks)
+
+
+def _record(lines: Lines, at: int, header: Header) -> tuple[str, int, int]:
+    """What begins in a line, the line of its first numbers, and the line behind it."""
+    if header.version < 3.0:
+        return EPHEMERIS[0], at, at + LENGTHS[EPHEMERIS[0]]
+    text = lines.line(at, "an ephemeris")
+    titled = header.version >= 4.0
+    pattern, expected = (TITLE, "'> EPH G05 LNAV'") if titled else (SATELLITE, "a satellite, as in 'G05 '")
+    if not (told := pattern.match(text)):
+        raise lines.wrong(at, f"begins with '{text[:15].rstrip()}'; expected {expected}")
+    what, begin = " ".join(told.groups()), at + titled
+    if what in LENGTHS:
+        return what, begin, begin + LENGTHS[what]
+    behind = begin + 1
+    while behind <= len(lines) and not pattern.match(lines.line(behind, "an ephemeris")):
+        behind += 1
+    return what, begin, behind
 
 
 def _ephemeris(lines: Lines, at: int, header: Header) -> tuple[dict[str, float], bool]:
@@ -119,7 +141,7 @@ def _weeks(lines: Lines, at: int, row: dict[str, float]) -> bool:
 
 
 def _ionosphere(lines: Lines, header: Header) -> np.ndarray | None:
-    """Klobuchar's alpha and beta, (2, 4)."""
+    """Klobuchar's alpha and beta, (2, 4), of a header."""
     if header.version < 3.0:
         pair = [header.one("ION ALPHA"), header.one("ION BETA")]
         begin = 2
@@ -129,9 +151,19 @@ def _ionosphere(lines: Lines, header: Header) -> np.ndarray | None:
         begin = 5
     if None in pair:
         return None
-    return np.array(
-        [
-            [lines.number(at, text[begin + 12 * k :][:12], "a coefficient of the ionosphere") for k in range(4)]
-            for at, text in pair
-        ]
+    return np.reshape(
+        [_coefficient(lines, at, text[begin + 12 * k :][:12]) for at, text in pair for k in range(4)], (2, 4)
     )
+
+
+def _ionosphere_of_message(lines: Lines, at: int) -> np.ndarray:
+    """The same of a message of version 4, where the eight follow each other behind a time, four in a line."""
+    found = []
+    for k in range(1, 9):
+        text = lines.line(at + k // 4, "a message of the ionosphere")
+        found.append(_coefficient(lines, at + k // 4, text[4 + WIDTH * (k % 4) :][:WIDTH]))
+    return np.reshape(found, (2, 4))
+
+
+def _coefficient(lines: Lines, at: int, text: str) -> float:
+    return lines.number(at, text, "a coefficient of the ionosphere")

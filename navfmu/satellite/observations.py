@@ -1,4 +1,4 @@
-"""RINEX observation files, versions 2 and 3: what a receiver measured of satellites of GPS."""
+"""RINEX observation files, versions 2 to 4: what a receiver measured of satellites of GPS."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from navfmu.satellite.header import Header, read_header
 from navfmu.satellite.lines import Lines
 from navfmu.satellite.orbits import SATELLITES, moment
 
-EXPECTED = "a RINEX observation file of version 2 or 3"
+EXPECTED = "a RINEX observation file of version 2, 3 or 4"
 SYSTEMS = ("GPS", "GAL", "QZS", "")
 """Time systems that are GPS time, to some ns. UTC and that of GLONASS are behind it."""
 

@@ -58,6 +58,23 @@ def navigation_3(*messages: str, system: str = "M: MIXED") -> str:
     )
 
 
+def navigation_4(*messages: str, ionosphere: str = "> ION G20 LNAV") -> str:
+    """A navigation file of version 4, of messages of version 2 or 4; coefficients are those of the others."""
+    return (
+        line("     4.00           N: GNSS NAV DATA    M: MIXED", "RINEX VERSION / TYPE")
+        + line("", "END OF HEADER")
+        + ionosphere
+        + "\n    2016 03 01 00 00 00 1.118000000000e-08-7.451000000000e-09-5.960000000000e-08\n"
+        + "     1.192000000000e-07 1.167000000000e+05-2.294000000000e+05-1.311000000000e+05\n"
+        + "     1.049000000000e+06\n"
+        + "".join(f"> EPH G{m[:2]} LNAV\n{_of_version_3(m)}" if m[0] in " 0123456789" else m for m in messages)
+    )
+
+
+CNAV = f"> EPH G05 CNAV\n{GLAB}"
+"""A message of another kind, which has more lines and other numbers."""
+
+
 def _of_version_3(message: str) -> str:
     first, *rest = message.splitlines(keepends=True)
     prn, year, month, day, hour, minute = (int(first[k : k + 2]) for k in (0, 3, 6, 9, 12, 15))
@@ -143,7 +160,7 @@ OBSERVED_2 = (
     + line("  2005     3    24    13    10   36.0000000     GPS", "TIME OF FIRST OBS")
     + line("", "END OF HEADER")
     + """\
- 05  3 24 13 10 36.0000000  0 13G12G09G06R21R22G01G02G03G04G05G07G08           -.123456789
+ 05  3 24 13 10 36.0000000  0 13G12G09G06R21R22G01G02G03G04G05G07G08 -.123456789
                                 G10
 """
     + "".join(

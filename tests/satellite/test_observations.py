@@ -1,5 +1,7 @@
 """Files of observations: both versions against what was written, and the sentences of wrong ones."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -18,10 +20,10 @@ def refusal(folder, text):
     return str(caught.value)
 
 
-def test_version_3(tmp_path):
+def test_versions_3_and_4(tmp_path):
     """Empty and 0 are not measured, an event is passed over, GLONASS is left out and told; plain and packed by gzip."""
-    for name in ("o.rnx", "o.rnx.gz"):
-        found = read(tmp_path, made.OBSERVED_3, name)
+    for name, version in (("o.rnx", "3.05"), ("o.rnx.gz", "4.01")):
+        found = read(tmp_path, made.OBSERVED_3.replace("3.05", version), name)
         assert found.marker == "MADE" and len(found) == 2
         assert found.week.tolist() == [2111, 2111] and found.second.tolist() == [345600.0, 345660.0]
         np.testing.assert_array_equal(found.position_e, [3582105.2910, 532589.7313, 5232754.8054])
@@ -108,12 +110,10 @@ def changed(old, new, text=made.OBSERVED_3):
         (changed("G    4 C1C", "E    4 C1C"), ["no types of observations of GPS"]),
         (changed("  0  1\n", "  9  1\n"), ["flag 9"]),
         (changed("  0  1\n", "  0  x\n"), ["line 14", "number of satellites is 'x'"]),
-        (changed("3.05", "4.01"), ["version 4.01"]),
+        (changed("3.05", "5.01"), ["version 5.01"]),
         (changed("END OF HEADER", "END OF HEADED"), ["no line 'END OF HEADER'"]),
         (changed("SOMETHING HAPPENED  ", "G    3 C1C L1C D1C  ").replace(
             f"{'':40}COMMENT", f"{'':40}SYS / # / OBS TYPES"), ["line 13", "change within the file"]),
-        (made.line("1.0                 COMPACT RINEX FORMAT", "CRINEX VERS   / TYPE") + made.OBSERVED_3,
-         ["Hatanaka", "crx2rnx"]),
         (changed(made.line("MADE", "MARKER NAME"), made.line("G  100  1 C1C", "SYS / SCALE FACTOR")), ["scaled"]),
         (made.navigation_3(made.GLAB), ["type 'N: GNSS NAV DATA'"]),
         ("time,range\n0,1\n", ["line 1", "RINEX VERSION / TYPE"]),
@@ -128,3 +128,25 @@ def test_what_is_wrong_is_said(tmp_path, text, words):
     for word in words:
         assert word in told, told
     assert str(tmp_path) in told
+
+
+def test_what_is_packed_by_hatanakas_method_is_the_same(tmp_path):
+    """By Hatanaka's own program, of both of its formats, and packed once more."""
+    hatanaka = pytest.importorskip("hatanaka")
+    for text, name in ((made.OBSERVED_2, "o.05d"), (made.OBSERVED_3, "o.crx"), (made.OBSERVED_3, "o.crx.gz")):
+        plain = read(tmp_path, text, "plain")
+        packed = read(tmp_path, hatanaka.rnx2crx(text), name)
+        assert packed.remarks == plain.remarks and list(packed.values) == list(plain.values)
+        for values, others in zip(packed.values.values(), plain.values.values(), strict=True):
+            np.testing.assert_array_equal(values, others)
+        np.testing.assert_array_equal(packed.second, plain.second)
+    cut = hatanaka.rnx2crx(made.OBSERVED_3)[:-60]
+    with pytest.raises(NavfmuError, match=r"cut\.crx: cannot be unpacked: .*; expected a RINEX observation"):
+        read(tmp_path, cut, "cut.crx")
+
+
+def test_without_the_package_that_unpacks_it_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "hatanaka", None)
+    text = made.line("1.0                 COMPACT RINEX FORMAT", "CRINEX VERS   / TYPE") + made.OBSERVED_3
+    told = refusal(tmp_path, text)
+    assert "Hatanaka's method" in told and "pip install 'navfmu[rinex]'" in told
