@@ -40,7 +40,10 @@ def _turning_flight(time: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def ahrs_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
-    """Readings of an automotive IMU with biases of 0.15 and -0.1 deg/s, of a magnetometer, airspeed and position."""
+    """Readings of an automotive IMU with biases of 0.15 and -0.1 deg/s, of a magnetometer, airspeed and position.
+
+    There is no GPS attitude.
+    """
     flight = _turning_flight(time)
     rng = np.random.default_rng(1)
     sine, cosine = np.sin(flight["roll"]), np.cos(flight["roll"])
@@ -59,6 +62,7 @@ def ahrs_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
             f"position.{n}": np.full_like(time, v)
             for n, v in zip(("latitude", "longitude", "altitude"), HERE, strict=True)
         },
+        "gps.valid": zero,
     }
 
 
