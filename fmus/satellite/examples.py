@@ -63,7 +63,6 @@ def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         "signals.range_rate": rate,
         "signals.signal_to_noise": np.full((len(time), PLACES), 45.0),
         "signals.accuracy": np.full((len(time), PLACES), 2.4),
-        "signals.corrected": np.zeros((len(time), PLACES)),
         "signals.satellite_e": np.tile(satellite_e, (len(time), 1, 1)),
     }
 

@@ -10,7 +10,7 @@ import pytest
 
 from fmus.attitude.ahrs import Ahrs
 from navfmu import NavfmuError
-from navfmu.export import Component, Example, Output, Parameter, every, toolchain
+from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, every, on_new, toolchain
 from navfmu.export.build import build, library, prepare
 from navfmu.export.page.documentation import page
 from navfmu.export.page.picture import panels, picture
@@ -112,6 +112,28 @@ def test_an_example_may_move_its_inputs_choose_outputs_and_add_curves():
     assert "20 s with <code>fast = 0.5 s</code> and otherwise the start values." in text
     with pytest.raises(NavfmuError, match=r"its example shows 'sample', which is no output.*'sampled'"):
         run(TwoRates, Example(shows=("sample",)))
+
+
+class Marked(Component):
+    """Shows what is valid, and which parts of it are marked."""
+
+    interval = Parameter("s", start=1.0, min=0.1)
+    told = Bundle(x=Input("m"), wrong=Input(2, kind="boolean"), right=Input(kind="boolean", start=True))
+    marks = Output(4, "1")
+    tick = "interval"
+
+    @on_new("told")
+    def show(self):
+        marks = np.stack([self.told.valid, self.told.wrong[0], self.told.wrong[1], self.told.right])
+        self.marks = np.where(marks, 1.0, 0.0)
+
+
+def test_data_that_comes_is_valid_and_otherwise_as_it_is_at_the_start():
+    """All switches of a bundle were on: what is tracked, what is corrected."""
+    assert run(Marked).values[-1].tolist() == [1.0, 0.0, 0.0, 1.0]
+    moved = Example(inputs=lambda time: {"told.wrong": np.tile([False, True], (len(time), 1))})
+    assert run(Marked, moved).values[-1].tolist() == [1.0, 0.0, 1.0, 1.0]
+    assert run(Marked, Example({"told.wrong": [True, False]})).values[-1].tolist() == [1.0, 1.0, 0.0, 1.0]
 
 
 def test_an_output_is_not_drawn_before_its_first_data():

@@ -109,7 +109,7 @@ def _feed(
             continue
         period = example.periods.get(variable.bundle, 0.0)
         number = np.floor(time / period + 1e-9) + 1 if period else np.arange(len(time)) + 1.0
-        if variable.type == "Boolean":
+        if variable.name == f"{variable.bundle}.valid":
             feed |= dict.fromkeys(variable.indices, np.ones(len(time)))
         elif variable.name == f"{variable.bundle}.sequence":
             feed |= dict.fromkeys(variable.indices, number)
