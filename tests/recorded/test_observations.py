@@ -166,7 +166,7 @@ def test_time_tags_of_utc_that_no_reader_sees_are_no_fix(imported, solved):
     assert not solved(found, tick=0.5)["solver.fix.valid"].any()
 
 
-def test_epochs_that_are_solved_show_tags_that_no_reader_sees(imported, tmp_path_factory):
+def test_epochs_that_are_solved_show_tags_that_no_reader_sees(imported, tmp_path_factory, monkeypatch):
     """A second late at an epoch a second; nothing is refused of what is right, and of too few satellites for a test."""
     sky, solver = Sky(), built.fmu("gps_solver", tmp_path_factory)
     times, nav = np.arange(0.0, 8.0), sky.navigation()
@@ -177,6 +177,8 @@ def test_epochs_that_are_solved_show_tags_that_no_reader_sees(imported, tmp_path
         imported(late, nav, solver=solver)
     taken = imported(late, nav, solver=solver, unchecked=True).sentences()
     assert sum(sentence.startswith("not plausible, and taken: none of 8 epochs") for sentence in taken) == 1
+    monkeypatch.setenv("NAVFMU_CACHE", "/proc/none")
+    assert any("no epoch could be solved on this machine" in s for s in imported(late, nav, solver=solver).sentences())
     over = [k for k in range(32) if sky.high(k, 0.0)]
     few = sky.observations(times, tags=1.0, left_out=lambda k, time: k not in over[:5])
     assert not any("solved" in sentence for sentence in imported(few, nav, solver=solver).sentences())
