@@ -16,6 +16,8 @@ import click
 def command(fmu: str, name: str | None, source: str | None, file: str | None, out: str | None) -> None:
     """Show the tables of FMU, write the one of this NAME to a file, or replace it.
 
+    FMU is a file, or the name of one that is shipped.
+
     \b
     navfmu table track.fmu                                            which there are
     navfmu table track.fmu track --out track.csv                      see the numbers
@@ -32,8 +34,10 @@ def command(fmu: str, name: str | None, source: str | None, file: str | None, ou
     from navfmu.files.numbers_as_text import text
     from navfmu.files.writing import write_file
     from navfmu.fmi import tables
+    from navfmu.system import shipped
     from navfmu.system.result import check_file
 
+    fmu = str(_of(fmu, shipped.find))
     if name is None:
         if source or file is not None or out:
             raise NavfmuError(f"{fmu}: which table? Its name is missing; without options they are listed")
@@ -56,6 +60,13 @@ def command(fmu: str, name: str | None, source: str | None, file: str | None, ou
         content = packed(columns) if form == ".npy" else text(columns)
     write_file(target, content)
     click.echo(f"wrote {out}")
+
+
+def _of(fmu, find):
+    """The file of this name, or what is shipped under it."""
+    from navfmu.files.reading import what_is
+
+    return fmu if Path(fmu).name != fmu or what_is(fmu) else find(fmu) or fmu
 
 
 def _given(source: str) -> bytes:

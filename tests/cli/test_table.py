@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from navfmu.cli.main import main
 from navfmu.export import Component, Grid, Output, Parameter, Table, every
 from navfmu.export.build import build
+from navfmu.system import shipped
 
 
 class Hill(Component):
@@ -71,6 +72,16 @@ def test_tables_are_listed_with_their_columns(fmus):
         ["profile", "2", "rows", "time", "(s),", "height", "(m)"],
     ]
     assert navfmu(bare).output == f"{bare} has no tables\n"
+
+
+def test_a_shipped_fmu_has_its_name_unless_there_is_a_file(fmus, tmp_path, monkeypatch):
+    hill, bare = fmus
+    monkeypatch.setattr(shipped, "folders", lambda: [hill.parent])
+    monkeypatch.chdir(tmp_path)
+    wrote("hill.fmu", "profile", "--out", "profile.csv")
+    (tmp_path / "hill.fmu").write_bytes(bare.read_bytes())
+    assert navfmu("hill.fmu").output == "hill.fmu has no tables\n"
+    refused("nothing.fmu: no such file; expected an FMU", "nothing.fmu")
 
 
 def test_a_table_is_written_edited_and_put_in_the_place_of_the_old_one(fmus, tmp_path):
