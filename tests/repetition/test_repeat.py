@@ -133,6 +133,25 @@ def test_the_loop_is_left_when_the_count_is_reached_and_holds_what_changes_only(
     assert text.count("log(") == 1 and "log(" not in body
 
 
+def test_what_is_done_at_most_once_is_calculated_only_if_it_is_done():
+    """The text: the logarithm that does not change is in the body, that of before is not, and is not taken twice.
+    What comes of it is that of floats, done or not."""
+
+    def once(n, a):
+        before = np.log(a)
+        return repeat(lambda x: x + np.exp(a) + before, a, n, 1)
+
+    form = traced(once, (np.int64(1), 2.0))
+    (body,) = c_helpers(form.nodes)
+    text = c_function("f", ["v"], form.nodes).text
+    assert "exp(" in body and "log(" not in body
+    assert "exp(" not in text and text.count("log(") == 1
+    (native,) = compiled([(once, (np.int64(1), 2.0))])
+    for n in (-1, 0, 1, 5):
+        expected = 2.0 + np.exp(2.0) + np.log(2.0) if n > 0 else 2.0
+        assert native(n, 2.0) == pytest.approx(expected, rel=1e-15)
+
+
 def test_the_same_body_is_one_function():
     def twice(n, a):
         first = repeat(lambda x: x * a + 1.0, 1.0, n, 4)

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Container, Iterable, Sequence
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -55,13 +56,17 @@ OPERATIONS |= {name: f"{name}({{}}, {{}})" for name in _PLAIN_OF_TWO + _CALLS_OF
 CALLS = frozenset(_CALLS_OF_ONE + _CALLS_OF_TWO)
 
 
-class Node:
-    """One number of the record; see the module's first lines."""
+_made = count()
 
-    __slots__ = ("of", "op")
+
+class Node:
+    """One number of the record; see the module's first lines. ``made`` grows from each node to the next one made."""
+
+    __slots__ = ("made", "of", "op")
 
     def __init__(self, op: str, *of: object) -> None:
         self.op, self.of = op, of
+        self.made = next(_made)
 
 
 class Vector(str):

@@ -1,6 +1,7 @@
 """``repeat`` while tracing: its function is traced once and becomes the body of a loop.
 
-What the body calculates from what changes stays in it; what does not change is calculated once, before the loop.
+What the body calculates from what changes stays in it; what does not change is calculated once, before the loop. Of
+what is done at most once all stays in it: nothing is calculated if it is not done.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
     kinds = [_KINDS[type_of(part)] for part in parts]
     while True:
         vector = f"{_OWN}{next(_serials)}"
+        first = Node("number", 0.0).made
         results = applied(function, _like(value, _symbols(vector, shapes, kinds)))
         if not _is_plain(results):
             return masked(function, value, count, most)
@@ -47,7 +49,7 @@ def _repeated(function: Callable, value: Any, count: Any, most: int) -> Any:
         kinds = wider  # as an array that gets a real number is one of real numbers
     begin = [_converted(e, kind) for part, kind in zip(parts, kinds, strict=True) for e in part.ravel().tolist()]
     ends = [_converted(e, kind) for part, kind in zip(found, kinds, strict=True) for e in part.ravel().tolist()]
-    body = _Body(vector, [expression(e) for e in ends])
+    body = _Body(vector, [expression(e) for e in ends], first if most == 1 else math.inf)
     others = [wholes.block([Scalar(node) for node in body.constant])] if body.constant else []
     call = _call(body, [len(begin), *(other.size for other in others)])
     operands = [wholes.operand(begin), *others, wholes.operand(objects(count).ravel().tolist())]
@@ -109,10 +111,13 @@ def _call(body: _Body, sizes: list[int]) -> arrays.Call:
 
 
 class _Body:
-    """The results of one pass over ``p0``, what changes, and ``p1``, what does not."""
+    """The results of one pass over ``p0``, what changes, and ``p1``, what does not.
 
-    def __init__(self, vector: str, results: list[Node]) -> None:
-        self.vector = vector
+    Operations made from ``first`` on count as what changes.
+    """
+
+    def __init__(self, vector: str, results: list[Node], first: float) -> None:
+        self.vector, self.first = vector, first
         self.constant: list[Node] = []  # what is calculated before the loop
         self.before: set[str] = set()  # what routines in it are given besides numbers
         self._places: dict[Any, int] = {}
@@ -129,6 +134,8 @@ class _Body:
 
     def _does_change(self, node: Node) -> bool:
         if node.op == "element" and node.of[0] == self.vector:
+            return True
+        if node.op not in ("number", "element") and node.made >= self.first:
             return True
         reads = isinstance(node, Array) and any(self._is_own(o) for o in node.operands)
         return reads or any(self._changes[n] for n in depends(node))
