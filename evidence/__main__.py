@@ -23,6 +23,7 @@ SECTIONS = (
     "step_sizes",
     "closure",
     "real_flights",
+    "jammed_flights",
     "sensors",
     "jsbsim",
     "expressions",
@@ -37,7 +38,8 @@ SECTIONS = (
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, fmea, step_sizes, closure, real_flights, sensors, jsbsim, expressions, public_fmus and speed.
+    There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, sensors, jsbsim, expressions,
+    public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

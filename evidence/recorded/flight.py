@@ -81,18 +81,35 @@ def seeds(name: str) -> range:
     return range(first, first + SEEDS)
 
 
+@dataclass(frozen=True)
+class Ready:
+    """A recorded flight as a system: its truth every 10 s, and the stations that the navigator has."""
+
+    imported: Imported
+    track: dict[str, np.ndarray]
+    points: Points
+    chosen: Sequence[Station]
+    system: Path
+
+    @classmethod
+    def of(cls, name: str, file: Path, stations: Sequence[Station], out: Path) -> Ready:
+        """Import a recording, choose its stations and write a system, with its FMUs, into a folder."""
+        out.mkdir(parents=True, exist_ok=True)
+        imported = import_track(file)
+        for fmu in Path(shipped.path("imu.fmu")).parent.glob("*.fmu"):
+            (out / fmu.name).write_bytes(fmu.read_bytes())
+        write_fmu(imported, shipped.path("track.fmu"), out / f"{name}.fmu", name)
+        track = _truth(out / f"{name}.fmu")
+        points = Points(track["latitude"], track["longitude"], track["altitude"], time=track["time"])
+        chosen = choose(stations, points, parameters.places(shipped.path("dme.fmu")))
+        return cls(imported, track, points, chosen, _system(name, out, chosen, track))
+
+
 def fly(name: str, file: Path, stations: Sequence[Station], out: Path, progress: Callable[[int, str], None]) -> Flown:
     """Import a recording, choose its stations, and fly; ``progress`` is told of each seed."""
     progress(0, f"importing {name}")
-    out.mkdir(parents=True, exist_ok=True)
-    imported = import_track(file)
-    for fmu in Path(shipped.path("imu.fmu")).parent.glob("*.fmu"):
-        (out / fmu.name).write_bytes(fmu.read_bytes())
-    write_fmu(imported, shipped.path("track.fmu"), out / f"{name}.fmu", name)
-    track = _truth(out / f"{name}.fmu")
-    points = Points(track["latitude"], track["longitude"], track["altitude"], time=track["time"])
-    chosen = choose(stations, points, parameters.places(shipped.path("dme.fmu")))
-    system = _system(name, out, chosen, track)
+    ready = Ready.of(name, file, stations, out)
+    imported, track, chosen, system = ready.imported, ready.track, ready.chosen, ready.system
     variants = VARIANTS if chosen else dict(list(VARIANTS.items())[:1])
     loaded = {variant: System.load(system, None if variant == "main" else variant) for variant in variants}
     stop = float(np.floor(track["time"][-1]))
@@ -110,7 +127,7 @@ def fly(name: str, file: Path, stations: Sequence[Station], out: Path, progress:
             flown.append(runs)
             progress(done, f"flying {name}")
     by_variant = dict(zip(loaded, map(list, zip(*flown, strict=True)), strict=True))
-    heard, by_chosen = Coverage.of(stations, points), Coverage.of(chosen, points)
+    heard, by_chosen = Coverage.of(stations, ready.points), Coverage.of(chosen, ready.points)
     return Flown(name, imported, track, heard, by_chosen, by_variant)
 
 

@@ -18,6 +18,7 @@ SENSORS = (
     "at_rest",
     "azimuth_detector",
     "dme",
+    "gps",
     "gps_options",
     "gps_signals",
     "gps_solver",

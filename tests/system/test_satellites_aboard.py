@@ -7,7 +7,10 @@ import pymap3d
 import pytest
 from scipy.spatial.transform import Rotation
 
+from navfmu import System
 from navfmu.faults import Fault
+from system_ssp.backup_navigator.system import source
+from tests import built
 
 LEVELS = {"positions": None, "signals": "gps_signals"}
 """Variants by how GPS is modelled."""
@@ -154,3 +157,27 @@ def test_three_antennas_make_heading_as_good_as_they_are_and_are_lost_with_gps(l
     for error, sigma in zip(errors.values(), sigmas.values(), strict=True):
         assert np.mean(np.abs(error[:, 60:]) < 3.0 * sigma[:, 60:]) > 0.95
         assert 0.5 < np.mean(sigma[:, after]) < 2.5
+
+
+def test_antennas_that_hear_satellites_take_the_place_of_those_that_do_not(fmus, tmp_path_factory):
+    """Both levels of GPS have the same bundles: attitude of signals calibrates heading and is lost with them."""
+    built.fmu("gps_attitude", tmp_path_factory)
+    both = source(fmus)
+    both.variant(
+        "both",
+        components={"gps": "gps_signals.fmu", "gps_solver": "gps_solver.fmu", "antennas": "gps_attitude.fmu"},
+        connections={
+            **{"gps_solver.signals": "gps.signals", "navigator.fix": "gps_solver.fix"},
+            **{"antennas.signals": "gps.signals", "ahrs.gps": "antennas.attitude"},
+            **{f"antennas.{signal.partition('.')[2]}": signal for signal in TRUTH},
+        },
+    )
+    system = System.load(both.pack(tmp_path_factory.mktemp("both") / "both.ssp", variant="both"))
+    lost = Fault("lost", "gps.jammed", "input", start=200.0)
+    names = ("ahrs.attitude.heading", "aircraft.heading", "ahrs.attitude.heading_sigma", "antennas.attitude.valid")
+    run = system.run(stop=400.0, seed=1, faults=[lost], record=names, record_period=1.0)
+    told, true, sigma, valid = (run[name].to_numpy(float) for name in names)
+    error = np.degrees((told - true + np.pi) % (2.0 * np.pi) - np.pi)
+    assert np.all(valid[5:200]) and not np.any(valid[203:])
+    assert np.sqrt(np.mean(error[60:200] ** 2)) < 0.25
+    assert np.degrees(sigma[199]) < 0.25 < np.degrees(sigma[210]) < np.degrees(sigma[399])
