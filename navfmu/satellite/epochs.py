@@ -14,6 +14,8 @@ from navfmu.satellite.orbits import SATELLITES
 WIDTH, PLACES, POINT = 16, 14, 10
 """Of an observation: a number, loss of lock, strength; of the number; and where its point is. A number that is cut off
 has it elsewhere, or fewer digits behind it."""
+LOST = tuple("1357")
+"""Behind the phase of a carrier that was lost since the epoch before: bit 0."""
 MEASURED = 1
 """The flag of an epoch up to which it holds observations; above it is an event, or a list of cycle slips."""
 SLIPS = 6
@@ -27,12 +29,14 @@ OF_VERSION_2 = {
 
 @dataclass
 class Epoch:
-    """What was measured at a time: satellite of GPS -> name -> value, and which other systems there are."""
+    """What was measured at a time: satellite of GPS -> name -> value, which carriers (satellite, name) were lost
+    since the epoch before, and which other systems there are."""
 
     line: int
     week: int
     second: float
     satellites: dict[int, dict[str, float]] = field(default_factory=dict)
+    lost: set[tuple[int, str]] = field(default_factory=set)
     others: set[str] = field(default_factory=set)
 
 
@@ -67,7 +71,7 @@ def _version_3(lines: Lines, at: int, types: list[str]) -> tuple[Epoch | None, i
         told = lines.line(line, f"{count} satellites of the epoch of line {at}")
         if told.startswith("G"):
             prn = _satellite(lines, line, told[1:3], epoch)
-            epoch.satellites[prn] = _values(lines, line, types, lambda k, told=told: told[3 + WIDTH * k :])
+            _measured(lines, line, epoch, prn, types, lambda k, told=told: told[3 + WIDTH * k :])
         elif told[:1].isalpha():
             epoch.others.add(told[:1])
         else:
@@ -94,9 +98,7 @@ def _version_2(lines: Lines, at: int, types: list[str]) -> tuple[Epoch | None, i
         rows = [lines.line(line + k, told) for k in range(each)]
         if name[:1] in ("G", " "):
             prn = _satellite(lines, at, name[1:], epoch)
-            epoch.satellites[prn] = _values(
-                lines, line, types, lambda k, rows=rows: rows[k // 5][WIDTH * (k % 5) :]
-            )  # fmt: skip
+            _measured(lines, line, epoch, prn, types, lambda k, rows=rows: rows[k // 5][WIDTH * (k % 5) :])
         elif name[:1].isalpha():
             epoch.others.add(name[:1])
         else:
@@ -167,17 +169,19 @@ def _satellite(lines: Lines, at: int, text: str, epoch: Epoch) -> int:
     return prn
 
 
-def _values(lines: Lines, at: int, names: list[str], text: Callable[[int], str]) -> dict[str, float]:
-    """The observations of a satellite; what is missing is empty, or 0."""
-    found = {}
+def _measured(lines: Lines, at: int, epoch: Epoch, prn: int, names: list[str], text: Callable[[int], str]) -> None:
+    """Enter the observations of a satellite; what is missing is empty, or 0."""
+    found = epoch.satellites[prn] = {}
     for k, name in enumerate(names):
-        told = text(k)[:PLACES]
-        if not told.strip():
+        told = text(k)
+        number = told[:PLACES]
+        if not number.strip():
             continue
-        if told[POINT : POINT + 1] != "." or len(told.rstrip()) < PLACES:
+        if number[POINT : POINT + 1] != "." or len(number.rstrip()) < PLACES:
             raise lines.wrong(
-                at, f"{name} is '{told.strip()}' in {PLACES} columns; expected three digits behind a point at the end"
+                at, f"{name} is '{number.strip()}' in {PLACES} columns; expected three digits behind a point at the end"
             )
-        if value := lines.number(at, told, name):
+        if value := lines.number(at, number, name):
             found[name] = value
-    return found
+            if told[PLACES : PLACES + 1] in LOST and name.startswith("L"):
+                epoch.lost.add((prn, name))

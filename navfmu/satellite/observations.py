@@ -29,6 +29,7 @@ class Observations:
     week, second : (n,), when, by the receiver's clock: GPS week and second of it
     values : name of RINEX 3 ("C1C" m, "L1C" cycles, "D1C" Hz, "S1C" dB-Hz) -> (n, 32), a column for each satellite of
         GPS from 1 on, NaN where nothing was measured
+    lost : name of a phase -> (n, 32), whether the carrier had been lost since the epoch before
     position_e : (3,) approximate position of the antenna's marker, m, or None
     remarks : what was found, and what was left out
     doubts : what is not plausible
@@ -39,6 +40,7 @@ class Observations:
     week: np.ndarray
     second: np.ndarray
     values: dict[str, np.ndarray]
+    lost: dict[str, np.ndarray]
     position_e: np.ndarray | None
     remarks: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
@@ -86,7 +88,10 @@ def read_observations(path: str | Path) -> Observations:
     if not names:
         raise NavfmuError(f"{path}: has no observation of GPS; expected {EXPECTED}")
     values = {name: np.full((len(found), SATELLITES), np.nan) for name in sorted(names)}
+    lost = {name: np.zeros((len(found), SATELLITES), bool) for name in values if name.startswith("L")}
     for row, epoch in enumerate(found):
+        for prn, name in epoch.lost:
+            lost[name][row, prn - 1] = True
         for prn, measured in epoch.satellites.items():
             for name, value in measured.items():
                 values[name][row, prn - 1] = value
@@ -102,6 +107,7 @@ def read_observations(path: str | Path) -> Observations:
         week,
         second,
         values,
+        lost,
         _position(lines, header),
         tuple(remarks),
         tuple(_of_leap_seconds(second, int(week[0]))),

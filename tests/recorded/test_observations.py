@@ -14,6 +14,7 @@ from fmus.satellite.signals import PLACES
 from navfmu import Fault, NavfmuError, System
 from navfmu.cli.main import main
 from navfmu.recorded.observations.importer import import_observations
+from navfmu.recorded.observations.phases import doppler
 from navfmu.ssp.writer import SystemSource
 from tests import built
 from tests.models.native import interpret
@@ -293,6 +294,41 @@ def test_a_receiver_that_tells_no_strength_is_solved_as_another(imported, solved
     np.testing.assert_allclose(east_north_up(sky, solved(found)), 0.0, atol=5e-3)
 
 
+def test_range_rates_are_made_of_phases_where_there_is_no_doppler(imported, solved):
+    """A standing receiver and one epoch a second: 3 mm/s, as far as digits of millimetres tell. Of the wrong sign it
+    would be km/s. Nothing is made across a loss of lock, nor at the ends."""
+    sky = Sky()
+    seen = sky.observations(np.arange(20.0))
+    assert "C1C D1C" in seen
+
+    def phases(line):
+        if not line.startswith("G") or line[13] != ".":
+            return line
+        return f"{line[:19]}{float(line[3:17]) * 1575.42e6 / 299792458.0:14.3f}{line[33:]}"
+
+    lines = [phases(line) for line in seen.replace("C1C D1C", "C1C L1C").splitlines()]
+    again = max(k for k, line in enumerate(lines) if line.startswith(lines[-1][:3]) and k < len(lines) - 5)
+    lines[again] = lines[again][:33] + "1" + lines[again][34:]
+    found = imported("\n".join(lines) + "\n", sky.navigation(), names={"range_rate": "L1C"})
+    result = solved(found, tick=0.5)
+    velocity = np.stack([result[f"solver.fix.velocity_n[{k}]"] for k in (1, 2, 3)], axis=1)[result["solver.fix.valid"]]
+    assert len(velocity) == 18
+    assert np.max(np.abs(velocity)) < 3e-3
+    assert found.epochs.lacking == 2 * np.count_nonzero(found.epochs.number[5]) + 2
+
+
+def test_slopes_of_phases_are_those_of_parabolas_at_any_intervals():
+    """A backward difference is off by half an interval of acceleration."""
+    time = np.array([0.0, 1.0, 1.5, 4.0, 5.0, 200.0, 201.0])
+    phase = (3.0 + 2.0 * time - 0.7 * time**2)[:, None]
+    lost = np.zeros(phase.shape, bool)
+    found = doppler(time, phase, lost)[:, 0]
+    np.testing.assert_allclose(found[1:4], -(2.0 - 1.4 * time[1:4]), rtol=1e-12)
+    assert np.all(np.isnan(found[[0, 4, 5, 6]]))  # ends, and a gap
+    lost[2] = True
+    np.testing.assert_array_equal(np.isfinite(doppler(time, phase, lost)[:, 0]), np.arange(7) == 3)
+
+
 def test_signals_that_are_hardly_there_are_told(imported):
     """Of a receiver behind an attenuator four signals of 16 to 20 dB-Hz made positions that were 60 km off."""
     sky = Sky()
@@ -311,7 +347,8 @@ def test_files_that_are_cut_off_or_others(imported):
         (seen[: -len(seen) // 4], sent, "cut off"),
         (seen, made.yuma(1, 2, week=2111), "is a YUMA almanac, whose satellites are off by a kilometre"),
         (seen, made.sem(1, 2), "is a SEM almanac, whose satellites"),  # its week modulo 1024 is none of our trouble
-        (seen.replace("D1C", "D2C"), sent, "has no 'D1C' of which range_rate .* begins with D1: it has none"),
+        (seen.replace("D1C", "D2C"), sent, "has no 'D1C' of which range_rate .* with D1, or a phase, L1: it has none"),
+        (seen.replace("D1C", "L1C"), sent, "it has L1C, which --column range_rate=L1C takes"),
         (seen.replace("C1C", "C1W"), sent, "it has C1W, which --column pseudorange=C1W takes"),
         (sent, sent, "expected a RINEX observation file"),
     ):

@@ -9,12 +9,15 @@ import numpy as np
 
 from navfmu.constants import WAVELENGTH
 from navfmu.errors import NavfmuError
+from navfmu.recorded.observations import phases
 from navfmu.satellite.calendar import WEEK
 from navfmu.satellite.observations import Observations
 from navfmu.satellite.orbits import Orbits, moment
 
 USUAL = {"pseudorange": "C1C", "range_rate": "D1C", "signal_to_noise": "S1C"}
 """Quantities, and the names of observations that they are taken from."""
+RATE, PHASE = "range_rate", "L1"
+"""What may be taken of the phases of a carrier, and what their names begin with."""
 SIGNAL = "signal_to_noise"
 """What a file may do without: old receivers do not write it, and it is 0 then."""
 KINDS = {"pseudorange": "C", "range_rate": "D", "signal_to_noise": "S"}
@@ -32,7 +35,7 @@ class Epochs:
     number : (n, places) PRN, 0 where none is
     pseudorange, range_rate, signal_to_noise : (n, places) m, m/s, dB-Hz
     before : epochs before t = 0, which are left out
-    lacking : pseudoranges without a Doppler, which are left out
+    lacking : pseudoranges without a Doppler (or phases that make one), which are left out
     untold : whether there is no C/N0, which is 0 then
     """
 
@@ -73,7 +76,7 @@ def take(found: Observations, places: int, names: Mapping[str, str], start: floa
     """
     untold = SIGNAL not in names and USUAL[SIGNAL] not in found.values
     kinds = [what for what in USUAL if what != SIGNAL or not untold]
-    code, doppler, *strengths = (_named(found, what, names.get(what, USUAL[what])) for what in kinds)
+    code, doppler, *strengths = (_taken(found, what, names.get(what, USUAL[what])) for what in kinds)
     strength = np.zeros_like(code) if untold else strengths[0]
     begin = float(found.second[0]) if start is None else start
     if abs(found.second[0] - begin) > WEEK:
@@ -127,14 +130,18 @@ def held(epochs: Epochs, orbits: Orbits, unhealthy: bool = False) -> np.ndarray:
     return good
 
 
-def _named(found: Observations, what: str, name: str) -> np.ndarray:
-    if name[:1] == KINDS[what] and name[1:2] == "1" and name in found.values:
-        return found.named(name)
-    known = [known for known in found.values if known[:2] == f"{KINDS[what]}1"]
-    have = f"it has {', '.join(known)}, which --column {what}={known[0]} takes" if known else "it has none"
+def _taken(found: Observations, what: str, name: str) -> np.ndarray:
+    if what == RATE and name[:2] == PHASE and name in found.values:
+        time = (found.week - found.week[0]) * WEEK + found.second
+        return phases.doppler(time, found.values[name], found.lost[name])
+    kind = f"{KINDS[what]}1"
+    if name[:2] == kind and name in found.values:
+        return found.values[name]
+    others = [other for other in found.values if other[:2] == kind or (what == RATE and other[:2] == PHASE)]
+    have = f"it has {', '.join(others)}, which --column {what}={others[0]} takes" if others else "it has none"
     raise NavfmuError(
         f"{found.source}: has no '{name}' of which {what} could be taken; expected an observation on L1, whose name "
-        f"begins with {KINDS[what]}1: {have}"
+        f"begins with {kind}{f', or a phase, {PHASE}' if what == RATE else ''}: {have}"
     )
 
 
