@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-FARTHEST = 400.0
-"""nmi; no transponder is heard from farther."""
-
 
 def place(near):
     """Latitude and longitude in rad of ``--near``, checked."""
@@ -57,13 +54,13 @@ def along(track, ground):
 
 
 def reachable(stations, points):
-    """Those of the stations that are near enough to a point to be heard anywhere."""
+    """Those of the stations that are near enough to a point to be heard anywhere, by the longest range of all."""
     import numpy as np
 
-    from navfmu.constants import NAUTICAL_MILE
     from navfmu.navaids.station import distance
 
     middle = len(points.latitude) // 2
     here = float(points.latitude[middle]), float(points.longitude[middle])
     spread = float(np.max(distance(*here, points.latitude, points.longitude)))
-    return stations.within(*here, spread + FARTHEST * NAUTICAL_MILE)
+    longest = max(one.range for one in stations.stations)
+    return stations.within(*here, spread + 1.001 * longest)  # places below the sea are nearer than on it

@@ -150,6 +150,13 @@ def test_refused_is(name, files):
     assert done.exit_code == 2 and sentence in done.stderr and "Traceback" not in done.output, done.output
 
 
+def test_a_station_is_heard_from_as_far_as_its_range(files):
+    """From 100 000 ft over a mountain of 20 000 ft, 450 nmi. Wrong: one reach for the stations of all files."""
+    (files / "stations.csv").write_text(TABLE.replace("38.0,-121.5,1000,112.0,100", "44.9,-121.5,20000,112.0,900"))
+    done = navfmu("stations", "stations.csv", *NEAR, "--altitude", 100000)
+    assert done.exit_code == 0 and "NORTH" in done.output, done.output
+
+
 def test_an_fmu_without_places_is_refused(files, tmp_path_factory):
     done = navfmu("stations", "stations.csv", *NEAR, "--fmu", built.fmu("gps", tmp_path_factory), "--out", "set.ssv")
     assert done.exit_code == 2 and "has no places for stations" in done.stderr
