@@ -28,7 +28,7 @@ from navfmu.files.reading import read_bytes, what_is
 from navfmu.files.writing import write_file
 from navfmu.fmi.description import Description, Variable
 from navfmu.fmi.fmu import describe
-from navfmu.fmi.names import is_element, members
+from navfmu.fmi.names import folded, is_element, members
 from navfmu.fmi.units import BASE, Unit, conversion
 from navfmu.fmi.values import expand
 from navfmu.ssp.document import MAIN, NAMESPACES, OMS, OSP, PARAMETER_SET, RESOURCES
@@ -232,7 +232,7 @@ class SystemSource:
         for suffix, variable in inputs.items():
             other = outputs.get(suffix)
             if other is None:
-                has = ", ".join(s or output for s in outputs)
+                has = ", ".join(folded(found.name for found in outputs.values()))
                 raise NavfmuError(f"{where}: '{start}' has no '{suffix.lstrip('.') or end}'; it has: {has}")
             _check_pair(other, variable, where)
             found[target, variable.name] = source, other.name

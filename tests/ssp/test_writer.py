@@ -155,6 +155,7 @@ def test_writing_again_leaves_the_files_untouched(source, tmp_path):
         (lambda s: s.connect("filter.rate[1]", "sensor.heater"), "is in rad/s, 'heater' in K"),
         (lambda s: s.connect("sensor.reading.sequence", "sensor.heater"), "is Integer, 'heater' is Real"),
         (lambda s: s.connect("filter.rate", "sensor.rate"), "is connected already"),
+        (lambda s: s.connect("filter.rate", "filter.imu"), "'; it has: rate"),  # and not [1], [2], [3], or 430 of them
         (lambda s: s.parameters("sensor", {"perod": 1}), "no parameter 'perod'; did you mean 'period'"),
         (lambda s: s.parameters("sensor", {"bias": [1, 2]}), "2 values given, expected 3"),
         (lambda s: s.parameters("sensor", {"bias": -1}), "'bias[1]' = -1 rad/s is out of range: expected 0 to 1 rad/s"),
