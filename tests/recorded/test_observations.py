@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import fmpy
 import numpy as np
 import pymap3d
@@ -16,6 +18,7 @@ from navfmu.cli.main import main
 from navfmu.recorded.observations.importer import import_observations
 from navfmu.recorded.observations.phases import doppler
 from navfmu.ssp.writer import SystemSource
+from navfmu.system import shipped
 from tests import built
 from tests.models.native import interpret
 from tests.recorded.sky import SECOND, WEEK, Sky
@@ -358,8 +361,6 @@ def test_files_that_are_cut_off_or_others(imported):
 
 def test_the_command(tmp_path, player, monkeypatch, tmp_path_factory):
     """An FMU, a picture and the ionosphere's parameters; each wrong option is a sentence and nothing is written."""
-    from navfmu.system import shipped
-
     for name in ("gps_solver", "gps_replay"):
         built.fmu(name, tmp_path_factory)
     monkeypatch.setattr(shipped, "folders", lambda: [player.parent])
@@ -391,3 +392,17 @@ def test_the_command(tmp_path, player, monkeypatch, tmp_path_factory):
     assert code == 0 and "3 epochs" in told and "ionosphere_alpha for gps_solver" in told, told
     assert out.exists() and png.read_bytes()[1:4] == b"PNG"
     assert b'name="ionosphere_beta[4]"' in ssv.read_bytes() and b"-524290.0" in ssv.read_bytes()
+
+
+def test_the_system_of_the_page_is_built_and_solves(imported, player, monkeypatch, tmp_path, tmp_path_factory):
+    solver = built.fmu("gps_solver", tmp_path_factory)
+    monkeypatch.setattr(shipped, "folders", lambda: [player.parent])
+    monkeypatch.chdir(tmp_path)
+    sky = Sky()
+    found = imported(sky.observations(EPOCHS), sky.navigation())
+    found.write("observations.fmu")
+    (tmp_path / "ionosphere.ssv").write_bytes(found.ionosphere(solver))
+    page = (Path(__file__).parents[2] / "docs" / "sensors" / "observations.md").read_text(encoding="utf-8")
+    exec(page.partition("```python\n")[2].partition("```")[0], {})
+    result = System.load("day.ssp").run(stop=280.0, record=["solver.fix"])
+    assert result["solver.fix.sequence"].iloc[-1] == len(EPOCHS) and result["solver.fix.valid"].iloc[-1]
