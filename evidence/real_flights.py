@@ -256,7 +256,7 @@ def document(judged: Sequence[Judged]) -> str:
             "",
             f"{'. '.join(titles(judged))}. `python -m evidence real_flights` flies {len(judged)} of them, "
             f"{hours:.0f} h, and writes this page. The recordings are not part of the project ([tracks](tracks.md)). "
-            f"{EXPLAINED}",
+            f"{EXPLAINED} Where GPS is lost by the distance of a jammer: [flights past a jammer](jammed_flights.md).",
             "",
             "![Normalised squared errors of attitude and position on recorded flights](recorded_flights.png)",
             "",
