@@ -330,6 +330,8 @@ def test_slopes_of_phases_are_those_of_parabolas_at_any_intervals():
     assert np.all(np.isnan(found[[0, 4, 5, 6]]))  # ends, and a gap
     lost[2] = True
     np.testing.assert_array_equal(np.isfinite(doppler(time, phase, lost)[:, 0]), np.arange(7) == 3)
+    jumped = phase + 1575420.0 * (time[:, None] > 3.0)  # by a millisecond of the receiver's clock
+    np.testing.assert_array_equal(np.isfinite(doppler(time, jumped, np.zeros_like(lost))[:, 0]), np.arange(7) == 1)
 
 
 def test_signals_that_are_hardly_there_are_told(imported):

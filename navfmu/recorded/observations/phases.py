@@ -6,6 +6,8 @@ import numpy as np
 
 FARTHEST = 60.0
 """s between epochs of which phases are compared."""
+FASTEST = 6.3e4
+"""Hz, 12 km/s: more is a clock that jumps by a millisecond."""
 
 
 def doppler(time: np.ndarray, phase: np.ndarray, lost: np.ndarray) -> np.ndarray:
@@ -16,7 +18,8 @@ def doppler(time: np.ndarray, phase: np.ndarray, lost: np.ndarray) -> np.ndarray
     is off by 1.6 m/s with an epoch a second.
     """
     step = np.diff(time)[:, None]
-    rate = np.where(lost[1:] | (step > FARTHEST), np.nan, np.diff(phase, axis=0) / step)
+    rate = np.diff(phase, axis=0) / step
+    rate = np.where(lost[1:] | (step > FARTHEST) | (np.abs(rate) > FASTEST), np.nan, rate)
     found = np.full(phase.shape, np.nan)
     before, behind = step[:-1], step[1:]
     found[1:-1] = -(rate[:-1] * behind + rate[1:] * before) / (before + behind)
