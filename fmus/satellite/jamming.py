@@ -46,7 +46,7 @@ class Jamming:
         power = signal_power.of_jammer(known(self.jammer_power, 0.0), distance)
         power = power + gain((line / distance[:, None]) @ c_ne.T)
         reach = dme.horizon(self.altitude, self.jammer_altitude, 0.0)
-        return np.sum(np.where(distance <= reach, signal_power.ratio(power), 0.0))
+        return np.sum(np.where(distance < reach, signal_power.ratio(power), 0.0))
 
     def _within_region(self):
         middle = earth.to_ecef(self.region_latitude, self.region_longitude, known(self.altitude, 0.0))

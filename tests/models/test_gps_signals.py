@@ -277,8 +277,11 @@ def test_time_tags_go_over_the_end_of_a_week(receiving):
     assert np.max(np.abs(off(found))) < 0.1
 
 
-def test_a_place_that_is_no_number_is_no_measurement_and_spoils_nothing(receiving):
-    found = receiving.run(40, lambda t: {"altitude": np.nan if 2.0 <= t < 4.0 else 1500.0}, **QUIET)
+@pytest.mark.parametrize("none", [np.nan, np.inf, -np.inf])
+def test_a_place_that_is_no_number_is_no_measurement_and_spoils_nothing(receiving, none):
+    """An infinite height is within the reach of all jammers, which is infinite, too."""
+    found = receiving.run(40, lambda t: {"altitude": none if 2.0 <= t < 4.0 else 1500.0}, **QUIET)
+    assert all(np.isfinite(values).all() for values in found.values())
     np.testing.assert_array_equal(found["signals.valid"][:6], [1, 1, 0, 0, 1, 1])
     assert found["fix.valid"][-1] > 0.0 and np.max(np.abs(off(found)[-5:])) < 0.1
 
