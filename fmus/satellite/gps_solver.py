@@ -24,6 +24,8 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 
 ROWS = PLACES + 1
 FREEDOM = ROWS - 4
+FARTHEST = 1e9
+"""m, of a satellite and of a pseudorange by a clock that is seconds off: more is a mistake, as is NaN."""
 KLOBUCHAR = 1
 
 
@@ -173,7 +175,7 @@ class GpsSolver(Component):
     def solve(self):
         s = self.signals
         clean = s.pseudorange + SPEED_OF_LIGHT * s.satellite_clock + np.where(s.corrected, s.correction, 0.0)
-        told = np.isfinite(clean + np.sum(s.satellite_e, axis=1))
+        told = np.maximum(np.abs(clean), np.max(np.abs(s.satellite_e), axis=1)) < FARTHEST
         tracked = s.tracked & told & (s.signal_to_noise >= self.signal_mask) & s.valid
         satellite_e = np.where(tracked[:, None], s.satellite_e, np.array([4.0 * earth.EQUATORIAL_RADIUS, 0.0, 0.0]))
         height = np.array([np.where(self._altitude_told(), self.altitude.height, 0.0)])

@@ -226,15 +226,17 @@ def test_channels_limit_what_is_used(solver):
     assert found["gdop"] < 5.0
 
 
-def test_what_is_low_weak_or_no_number_is_not_used(solver):
+@pytest.mark.parametrize("huge", [np.inf, -2e9, 1e300])
+def test_what_is_low_weak_or_no_number_is_not_used(solver, huge):
+    """A pseudorange of 1e300 m took the fix away, and its squares were no numbers."""
     made = signals(Place(), 10, lowest=2.0)
     made["signals.signal_to_noise"][0] = 20.0
-    made["signals.pseudorange"][1] = np.nan
-    made["signals.satellite_e"][2, 1] = np.inf
+    made["signals.pseudorange"][1] = np.nan if huge == np.inf else huge
+    made["signals.satellite_e"][2, 1] = huge
     made["signals.tracked"][3] = 0
     found = solve(solver, made, signal_mask=25.0, elevation_mask=0.0)
     np.testing.assert_array_equal(np.flatnonzero(found["used"]), np.arange(4, 10))
-    assert error(found, Place()) < 1e-3
+    assert error(found, Place()) < 1e-3 and np.isfinite([found["squares"], *found["residual"]]).all()
     high = solve(solver, signals(Place(), 20, lowest=2.0), elevation_mask=0.5)
     assert 4 <= high["satellites"] < 16
 
