@@ -18,11 +18,14 @@ ATTITUDE_SIGMA = np.radians(0.25)
 
 
 def displaced(latitude, longitude, altitude, north, east):
-    """Latitude and longitude (rad) of a point ``north`` and ``east`` metres from another."""
+    """Latitude and longitude (rad) of a point ``north`` and ``east`` metres from another.
+
+    The longitude goes on from the other's, which may be beyond the date line; at a pole it is within a turn of it.
+    """
     north_south, east_west = earth.radii(latitude)
     return (
         latitude + north / (north_south + altitude),
-        longitude + east / ((east_west + altitude) * np.cos(latitude)),
+        longitude + attitude.wrap(east / ((east_west + altitude) * np.cos(latitude))),
     )
 
 

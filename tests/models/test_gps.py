@@ -166,3 +166,12 @@ def test_signals_are_found_again_when_they_have_been_strong_for_the_time_that_it
     _, _, valid = fixes(12, lambda t: {"jammer_power": weaker if t < 10.0 else off, "jammed": t < 2.0}, **jammer(15e3))
     np.testing.assert_array_equal(valid[:, 0], [0] * 10 + [1] * 2)
     assert np.all(fixes(12, lambda t: {"jammer_power": weaker}, **jammer(15e3))[2])
+
+
+def test_at_a_pole_a_longitude_is_within_a_turn_and_elsewhere_it_goes_on():
+    """A displacement over the cosine of a latitude of 90 degrees is 1e10 rad; beyond the date line nothing jumps."""
+    here = np.pi / 2.0, 3.0, 0.0
+    _, longitude = gps.displaced(*here, 2.0, 2.0)
+    assert abs(longitude - 3.0) <= np.pi
+    _, longitude = gps.displaced(0.0, np.pi - 1e-9, 0.0, 0.0, 6378137.0 * 1e-3)
+    assert longitude == np.pi - 1e-9 + 1e-3
