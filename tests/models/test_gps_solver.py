@@ -226,6 +226,22 @@ def test_channels_limit_what_is_used(solver):
     assert found["gdop"] < 5.0
 
 
+def test_where_two_satellites_are_alike_the_wrong_one_may_go_and_protection_levels_say_how_far(solver):
+    """Six satellites of 60 skies, one 1000 m too far, errors of 1 m. A level that is that of six, or that counts on the
+    right satellite being gone, is beyond its fix there."""
+    place, rng, others = Place(), np.random.default_rng(5), 0
+    for seed in range(60):
+        made = signals(place, 6, seed=seed)
+        wrong = seed % 6
+        made["signals.pseudorange"][:6] += rng.standard_normal(6)
+        made["signals.pseudorange"][wrong] += 1000.0
+        found = solve(solver, made)
+        if found["fix.valid"]:
+            others += not found["excluded"][wrong]
+            assert error(found, place) <= np.hypot(found["horizontal_protection"], found["vertical_protection"])
+    assert others > 0
+
+
 @pytest.mark.parametrize("huge", [np.inf, -2e9, 1e300])
 def test_what_is_low_weak_or_no_number_is_not_used(solver, huge):
     """A pseudorange of 1e300 m took the fix away, and its squares were no numbers."""
