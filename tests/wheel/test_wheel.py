@@ -42,13 +42,19 @@ def python(wheel, tmp_path_factory):
     folder = tmp_path_factory.mktemp("empty")
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
     python = folder / "bin" / "python"
-    subprocess.run([str(python), "-m", "pip", "install", "--quiet", str(wheel)], check=True)
+    install(python, wheel)
     return python
 
 
-def call(python, folder, *arguments):
+def install(python, what):
+    """Beside no path of packages that the tests are run with, which pip would take for installed."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    subprocess.run([str(python), "-m", "pip", "install", "--quiet", str(what)], check=True, env=environment)
+
+
+def call(program, folder, *arguments):
     environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "NAVFMU_CACHE": str(folder / "cache")}
-    return subprocess.run([str(python), *arguments], cwd=folder, env=environment, capture_output=True, text=True)
+    return subprocess.run([str(program), *arguments], cwd=folder, env=environment, capture_output=True, text=True)
 
 
 def test_every_file_of_the_package_goes_into_the_wheel():
@@ -83,7 +89,7 @@ def test_the_flight_is_flown_from_the_wheel_alone(python, tmp_path):
 
 
 def test_a_test_of_a_system_runs_from_the_wheel_alone(python, tmp_path):
-    subprocess.run([str(python), "-m", "pip", "install", "--quiet", "pytest>=8"], check=True)
+    install(python, "pytest>=8")
     folder = tmp_path / "an empty folder"
     folder.mkdir()
     (folder / "test_outage.py").write_text(
@@ -96,8 +102,7 @@ def test_a_test_of_a_system_runs_from_the_wheel_alone(python, tmp_path):
 
 
 def test_the_command_and_a_recorded_track_work_from_the_wheel_alone(python, tmp_path):
-    command = python.parent / "navfmu"
-    listed = subprocess.run([str(command), "info", "backup_navigator"], capture_output=True, text=True, cwd=tmp_path)
+    listed = call(python.parent / "navfmu", tmp_path, "info", "backup_navigator")
     assert listed.returncode == 0 and "navigator" in listed.stdout, listed.stderr
     rows = [f"{t},{48 + 1.0e-4 * t * 5:.6f},11.0,{3000 + t}" for t in range(0, 600, 5)]
     (tmp_path / "flight.csv").write_text("\n".join(["time_s,latitude_deg,longitude_deg,altitude_ft", *rows]))
