@@ -11,8 +11,6 @@ import numpy as np
 from models.radio import interrogator
 from navfmu.constants import NAUTICAL_MILE, SPEED_OF_LIGHT
 
-DELAY = 50.0e-6
-"""Time from an interrogation to its reply, s, thesis section 2.5.5."""
 CAPACITY = 3000.0
 """Replies that a transponder can give, pulse pairs a second, thesis section 2.5.5."""
 SEARCHING_SHARE = 0.05
@@ -25,13 +23,9 @@ PRECISE_RANGE = 7.0 * NAUTICAL_MILE
 """Distance within which DME/P is precise, m, thesis section 3.9 and Annex 10, 3.5.3.7.1."""
 
 
-def round_trip(distance, delay=DELAY):
-    """Time in s from an interrogation to its reply at a ``distance`` in m: 2 R / c + delay."""
-    return 2.0 * distance / SPEED_OF_LIGHT + delay
-
-
 def range_of(time):
-    """Range in m that is read of a ``time`` in s: one of 1 us is 150 m. Of a round trip take DELAY off before."""
+    """Range in m that is read of a ``time`` in s: one of 1 us is 150 m. Of a round trip take the 50 us of
+    the transponder off before."""
     return 0.5 * SPEED_OF_LIGHT * time
 
 
