@@ -16,6 +16,7 @@ from models.satellite import (
     ageing,
     antenna,
     augmentation,
+    broadcast,
     dilution,
     gps,
     gps_time,
@@ -260,7 +261,7 @@ class GpsSignals(Jamming, Component):
         position_e, _, c_ne, finite = self._motion()
         prn = np.arange(1, SATELLITES + 1)
         orbit, usable = self._orbits(1.0 * prn, week, second)
-        _, satellite, *_ = reception.received(orbit, week, second, position_e)
+        satellite, *_ = broadcast.at(orbit, week, second - broadcast.USUAL)  # within 1e-5 rad
         _, unit_e = sight.ranges(position_e, satellite)
         unit_n = unit_e @ c_ne.T
         seen = finite & usable & (-unit_n[:, 2] >= np.sin(self.elevation_mask))

@@ -29,10 +29,14 @@ def troposphere(geodetic, sine, day, mapping, humidity):
     """The troposphere's delay over that at the zenith; ``mapping`` is COSECANT, NIELL, or another number for none."""
     latitude, _, altitude = geodetic
     seen = np.maximum(sine, LOWEST_SINE)
-    hydrostatic, wet = saastamoinen.zenith(latitude, altitude, humidity)
-    of_hydrostatic, of_wet = niell.mapping(day, latitude, altitude, seen)
-    by_niell = (of_hydrostatic * hydrostatic + of_wet * wet) / (hydrostatic + wet)
-    return np.where(mapping == NIELL, by_niell, np.where(mapping == COSECANT, saastamoinen.slant(1.0, seen), 0.0))
+
+    def by_niell(_):
+        hydrostatic, wet = saastamoinen.zenith(latitude, altitude, humidity)
+        of_hydrostatic, of_wet = niell.mapping(day, latitude, altitude, seen)
+        return (of_hydrostatic * hydrostatic + of_wet * wet) / (hydrostatic + wet)
+
+    otherwise = np.where(mapping == COSECANT, saastamoinen.slant(1.0, seen), 0.0)
+    return repeat(by_niell, otherwise, np.where(mapping == NIELL, 1, 0), 1)
 
 
 def directions(position_e, geodetic, satellite_e):
