@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from models.earth import earth
+
 _NORTH = {"velocity_n": (46.3, 5.0, -1.0)}
 _HERE = {"latitude": 0.6589, "longitude": -2.1223, "altitude": 1500.0}
 _LEVEL = {"roll": 0.1, "pitch": 0.05, "heading": 1.0}
@@ -40,6 +44,18 @@ for _sensor, _unit in (("gyro", 0.01), ("accelerometer", 0.1)):
             "scale_factor_change": (0.01, 0.0, -0.02),
         }.items()
     }
+
+_AZIMUTH, _ELEVATION = np.radians([(15, 70), (75, 30), (130, 55), (180, 20), (265, 15), (300, 65)]).T
+_AWAY = np.stack([np.cos(_ELEVATION) * np.cos(_AZIMUTH), np.cos(_ELEVATION) * np.sin(_AZIMUTH), -np.sin(_ELEVATION)], 1)
+_SATELLITES = np.zeros((24, 3))
+_SATELLITES[:6] = earth.to_ecef(*_HERE.values()) + 2.2e7 * _AWAY @ earth.north_east_down(*[*_HERE.values()][:2])
+SKY: dict[str, Any] = {
+    "signals.satellite_e": _SATELLITES,
+    "signals.tracked": [True] * 6 + [False] * 18,
+    "signals.signal_to_noise": 45.0,
+    "signals.valid": True,
+}
+"""Six satellites above a place, as a receiver tells them."""
 
 EVERYTHING: dict[str, dict[str, Any]] = {
     "air_data": {
@@ -112,6 +128,7 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "bias": (0.1, 0.2, -0.1),
     },
     "gps": {**_HERE, **_NORTH, **_LEVEL},
+    "gps_attitude": {**_HERE, **_LEVEL, **SKY, "oldest": 1e9},
     "gps_signals": {
         **_HERE,
         **_NORTH,
@@ -122,6 +139,8 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "upload_age": 86400.0,
         "clock_drift_start": 2e-7,
         "ionosphere_scale": 1.5,
+        "waas": True,
+        "slips": True,
     },
     "imu": {
         **_TRIADS,

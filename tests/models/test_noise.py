@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.everything_on import EVERYTHING
+from benchmarks.everything_on import EVERYTHING, SKY
 from navfmu import System
 from tests.built import components, fmu
 
@@ -20,6 +20,7 @@ NOISY = {
     "dme": ({**HERE, **NORTH, "mode": 1}, ["ranging.slant_range[1]"], 1.0),
     "doppler_radar": (NORTH, [f"velocity.velocity_b[{i}]" for i in (1, 2, 3)], 1 / 7.5),
     "gps": (HERE, ["fix.altitude", "fix.velocity_n[1]", "attitude.roll"], 1.0),
+    "gps_attitude": ({**HERE, **SKY, "oldest": 1e9}, ["attitude.roll", "attitude.pitch", "attitude.heading"], 0.5),
     "gps_signals": (HERE, ["clock_drift"], 1.0),
     "imu": ({}, [f"reading.{what}[{i}]" for what in ("rate", "specific_force") for i in (1, 2, 3)], 0.01),
     "loran": ({**HERE, **NORTH}, ["fix.latitude", "fix.longitude"], 1.0),
