@@ -210,10 +210,11 @@ def test_recordings_of_all_modelled_sensors_navigate_as_these_did_bit_for_bit(pl
 
 def test_masters_of_others_take_the_file_in_the_place_of_the_sensors_too(player, tmp_path_factory, tmp_path):
     """libcosim and Ecos refuse a system whose FMU lacks what the document connects or lists."""
-    from system_ssp.backup_navigator.system import FMUS, source
+    from system_ssp.backup_navigator.system import COMPONENTS, FMUS, source
 
     step, steps = 1.0 / 64.0, 640
-    fmus = {name: built.fmu(name, tmp_path_factory) for name in FMUS}
+    files = {name: built.fmu(name, tmp_path_factory) for name in FMUS}  # also those of variants
+    fmus = {name: files[name] for name in COMPONENTS}
     folder = tmp_path / "recorded"
     source(built.folder(tmp_path_factory)).write(folder)
     frame = samples.imu(samples.stamps(600, 0.017, 0.02))
