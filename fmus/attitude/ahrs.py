@@ -78,7 +78,7 @@ class Ahrs(Component):
 
     imu = Bundle(
         rate=Input(3, "rad/s", display_unit="deg/s", description="angular rate, body axes"),
-        specific_force=Input(3, "m/s2", start=(0, 0, -9.80665), description="specific force, body axes"),
+        specific_force=Input(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="specific force, body axes"),
         description="inertial measurement",
     )
     field = Bundle(
@@ -330,7 +330,7 @@ class Ahrs(Component):
     sigmas = State(3, "rad", display_unit="deg", description="standard deviations of these")
     covariance = State(66, "1", description="upper triangle of the filter's covariance, row by row; rad, rad/s, m/s")
     rate = State(3, "rad/s", description="last rate less bias")
-    force = State(3, "m/s2", start=(0, 0, -9.80665), description="last specific force")
+    force = State(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="last specific force")
     imu_time = State("s", description="time of validity of the last IMU sample")
     rate_sum = State(3, "rad/s", description="sum of rates less bias since the last aiding")
     force_sum = State(3, "m/s2", description="sum of specific forces since the last aiding")
