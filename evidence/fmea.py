@@ -12,6 +12,7 @@ import numpy as np
 from evidence.failures.injection import FROM, Injection, injections, itself, signs_of
 from evidence.failures.lines import Line, Lines, load_lines
 from evidence.failures.picture import picture
+from evidence.failures.sizes import campaign_of, load_sizes, row, sized
 from evidence.section import Section
 from navfmu.campaign import Outcome, load_campaign, run_campaign
 from navfmu.campaign.requirement import wilson
@@ -22,7 +23,8 @@ from navfmu.report.page import Page
 from navfmu.terminal.progress import Progress
 
 SYSTEM = Path(__file__).parents[1] / "system_ssp" / "backup_navigator"
-CAMPAIGN, LINES = SYSTEM / "campaigns" / "fmea.toml", SYSTEM / "fmea" / "lines.toml"
+CAMPAIGNS = (SYSTEM / "campaigns" / "fmea.toml", SYSTEM / "campaigns" / "fmea_signals.toml")
+LINES, SIZES = SYSTEM / "fmea" / "lines.toml", SYSTEM / "fmea" / "sizes.toml"
 FALSE = 10.0
 """Share of the flights without a failure that may show a sign, percent."""
 TABLE = ["line", "failure", "injected", "observed", "noticed"]
@@ -31,15 +33,32 @@ EVERY = [
     "failure", "line", "injected as", "95 % of the error, m", "largest, m", "inside 3 sigma, %", "NEES (2)",
     "noticed in", "of it by the navigator", "after, s", "first sign", "outside with no sign, s",
 ]  # fmt: skip
+OF_SIZES = [
+    "failure",
+    "sizes",
+    "flights of each",
+    "harm in",
+    "a sign in",
+    "harm and no sign in",
+    "harm from",
+    "noticed from",
+]
 SIGNS = ["sign", "what it says", "expression", "by", "without a failure"]
 
 
 def run(out: Path) -> Section:
     """Fly and tabulate; the page is also written as OUT/fmea.md and OUT/fmea.png."""
-    campaign = load_campaign(CAMPAIGN)
-    with Progress("fmea") as progress:
-        outcome = run_campaign(campaign, out / "fmea", None, progress)
-    found = Analysis.of(outcome, load_lines(LINES))
+    lines, sizes, outcomes, rows = load_lines(LINES), load_sizes(SIZES), [], []
+    for path in CAMPAIGNS:
+        campaign = load_campaign(path)
+        with Progress(path.stem) as progress:
+            outcomes.append(run_campaign(campaign, out / path.stem, None, progress))
+        failures = sized(outcomes[-1], lines, sizes)
+        with Progress(f"{path.stem}, sizes") as progress:
+            several = campaign_of(campaign, lines, failures, sizes.seeds)
+            flown = injections(run_campaign(several, out / f"{path.stem}_sizes", None, progress), lines)
+        rows += [row(each, flown) for each in failures]
+    found = Analysis.of(outcomes, lines, rows)
     write_file(out / "fmea.md", found.document().encode())
     write_file(out / "fmea.png", found.picture())
     return found.section()
@@ -55,21 +74,23 @@ class Analysis:
     signs: Sequence[Sequence[str]]  # what SIGNS names
     false: Sequence[int]  # runs of each reference with a sign
     idle: int  # runs in which a fault changed nothing
+    sizes: Sequence[Sequence[str]] = ()  # what OF_SIZES names
 
     @classmethod
-    def of(cls, outcome: Outcome, lines: Lines) -> Analysis:
-        """From a campaign that was flown."""
-        every = injections(outcome, lines)
+    def of(cls, outcomes: Sequence[Outcome], lines: Lines, sizes: Sequence[Sequence[str]] = ()) -> Analysis:
+        """From campaigns that were flown, of which a sign is the same in all; ``sizes`` are the rows of OF_SIZES."""
+        every = [each for outcome in outcomes for each in injections(outcome, lines)]
         references = [each for each in every if each.case.name in lines.references]
+        asked = {n: s for outcome in outcomes for n, s in signs_of(outcome.campaign.requirements).items()}
         signs = [
             [
                 name,
                 sign.description,
                 f"`{sign.signal}`" + (f" while `{sign.when}`" if sign.when else ""),
                 "navigator" if itself(sign) else "instruments",
-                ", ".join(_of(sum(name in s.signs for s in each.sightings), each.runs) for each in references),
+                ", ".join(_of(each.showing(name), each.runs) for each in references if name in each.asked),
             ]
-            for name, sign in signs_of(outcome.campaign.requirements).items()
+            for name, sign in asked.items()
         ]
         return cls(
             lines,
@@ -77,7 +98,8 @@ class Analysis:
             sorted((each for each in every if each not in references), key=lambda each: _number(each.lines[0])),
             signs,
             [each.noticed for each in references],
-            sum(bool(judged.answer.idle) for judged in outcome.runs),
+            sum(bool(judged.answer.idle) for outcome in outcomes for judged in outcome.runs),
+            sizes,
         )
 
     # ---- in words ----------------------------------------------------------------------------------------------------
@@ -127,19 +149,22 @@ class Analysis:
             "need physics that no component has yet, and say which.",
             f"Each failure is flown with {runs} seeds, the same for all, so that each flight has a twin without the "
             "failure. The base system is flown: one DME receiver, two stations. GPS is lost at minute 5 and the "
-            "failure begins at minute 15, unless the line says otherwise; failures of GPS begin while there is GPS. "
+            "failure begins at minute 15, unless the line says otherwise; failures of GPS begin while there is "
+            "GPS, and are flown with a receiver of positions and, where (gps_signals) stands, with one of signals and "
+            "a solver. "
             f"Errors are those from minute {FROM / 60:.0f} to the end, at whole seconds. Harm: in a run the error is "
             "beyond 0.5 nmi, or outside of the navigator's own 3 sigma, for more than 5 % of that time, and its twin's "
             "is not.",
             "Noticed: a sign comes up that the twin does not show. Of the navigator's outputs `doubted` and "
             "`solution.valid` are made to say so; the other signs are what an integrator would wire, from outputs of "
             "the navigator or of the instruments. They are the requirements with the severity 'sign' in "
-            "`campaigns/fmea.toml`, asked at every communication point. A sign may come up because of the failure and "
-            "still name another cause.",
+            "`campaigns/fmea.toml` and `fmea_signals.toml`, asked at every communication point. A sign may come up "
+            "because of the failure and still name another cause.",
             f"What {runs} runs can show: {_of(runs, runs)}, {_of(0, runs)}, {_of(runs // 2, runs)} of all such "
-            "flights, with 95 % confidence; one magnitude and one onset say nothing about others.",
-            f"Without a failure a sign came up in {self.false[0]} of {self.references[0].runs} flights with GPS, and "
-            f"in {self.false[1]} of {self.references[1].runs} without: in all {_of(*self.false_alarms)}. "
+            "flights, with 95 % confidence; one size and one onset say nothing about others. Some are flown in several "
+            "sizes.",
+            f"Without a failure of its own a sign came up in {_of(*self.false_alarms)} flights: "
+            f"{', '.join(f'{n} of {each.name}' for n, each in zip(self.false, self.references, strict=True))}. "
             f"Harm as above was found in {sum(each.harmed for each in self.references)} of them.",
             f"No number comes out after {_names([each for each in self.injected if np.isinf(each.largest)])}. "
             f"Signs that no failure brought up: {', '.join(self.silent) or 'none'}.",
@@ -229,6 +254,13 @@ class Analysis:
                 UNSEEN,
                 [self.unseen_row(e) for e in self.unseen],
             ),
+            (
+                "How large a failure must be",
+                "Some of the failures in several sizes: in how many flights there is harm, a sign, harm with no sign, "
+                "and the first of the sizes at which there is harm, and a sign, in most of them.",
+                OF_SIZES,
+                [list(row) for row in self.sizes],
+            ),
             ("Every line", "", TABLE, [self.row(line) for line in self.lines.line]),
             (
                 "Every failure",
@@ -241,7 +273,7 @@ class Analysis:
             (
                 "The signs",
                 "The last column: flights without a failure that show the sign, "
-                f"{' and '.join(each.case.name for each in self.references)}.",
+                f"{', '.join(each.name for each in self.references)}, of those that are asked for it.",
                 SIGNS,
                 list(map(list, self.signs)),
             ),

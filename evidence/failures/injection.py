@@ -11,7 +11,7 @@ import numpy as np
 from evidence.failures.lines import Line, Lines
 from navfmu.campaign.case import Case
 from navfmu.campaign.outcome import Judged, Outcome
-from navfmu.campaign.requirement import Requirement
+from navfmu.campaign.requirement import MAIN, Requirement
 from navfmu.faults import Fault
 
 FROM = 900.0
@@ -50,18 +50,21 @@ class Injection:
     """A case, the faults that are its own, and its runs."""
 
     case: Case
+    variant: str
     faults: tuple[Fault, ...]
     reference: str  # the case with which it is compared
     lines: tuple[str, ...]
     onset: float  # s
     sightings: tuple[Sighting, ...]
     failed: int  # runs that ended with an error
-    own: tuple[str, ...]  # signs that look at the navigator alone
+    asked: tuple[str, ...]  # signs that are looked for
+    own: tuple[str, ...]  # those of them that look at the navigator alone
 
     @property
     def name(self) -> str:
-        """The id of its fault, or the name of its case."""
-        return self.faults[0].id if len(self.faults) == 1 else self.case.name
+        """The id of its fault, or the name of its case; and the variant that is flown, unless it is the base system."""
+        name = self.faults[0].id if len(self.faults) == 1 else self.case.name
+        return name if self.variant == MAIN else f"{name} ({self.variant})"
 
     @property
     def words(self) -> str:
@@ -77,6 +80,10 @@ class Injection:
     def noticed(self) -> int:
         """Runs in which any sign came up."""
         return sum(bool(each.signs) for each in self.sightings)
+
+    def showing(self, sign: str) -> int:
+        """Runs in which a sign came up."""
+        return sum(sign in each.signs for each in self.sightings)
 
     @property
     def noticed_itself(self) -> int:
@@ -149,7 +156,7 @@ def itself(sign: Requirement) -> bool:
 def injections(outcome: Outcome, lines: Lines) -> list[Injection]:
     """Every case of the campaign; the references come first."""
     named = {case.name: case for case in outcome.campaign.cases}
-    references = [named[name] for name in lines.references]
+    references = [named[name] for name in lines.references if name in named]
     others = [case for case in named.values() if case not in references]
     return [_injection(outcome, lines, case, references) for case in (*references, *others)]
 
@@ -157,32 +164,40 @@ def injections(outcome: Outcome, lines: Lines) -> list[Injection]:
 def _injection(outcome: Outcome, lines: Lines, case: Case, references: Sequence[Case]) -> Injection:
     """A sign counts if the flight without the failure, with the same seed, does not show it; and so does harm."""
     (variant,) = outcome.campaign.systems
-    reference = max((each for each in references if _within(each, case)), key=_count)
+    reference = reference_of(case, references)
     common = {fault.id for fault in reference.faults}
     own = tuple(fault for fault in case.faults if fault.id not in common)
-    signs = signs_of(outcome.campaign.requirements)
-    asked = min(sign.start for sign in signs.values())
-    onset = max(min((fault.start for fault in own), default=0.0), asked)
+    signs = {n: s for n, s in signs_of(outcome.campaign.requirements).items() if s.applies(variant, case)}
+    first = min(sign.start for sign in signs.values())
+    onset = max(min((fault.start for fault in own), default=0.0), first)
     every = [judged for judged in outcome.of(variant, case.name) if judged.error is None]
     twins = {} if case is reference else {j.run.seed: j for j in outcome.of(variant, reference.name)}
     return Injection(
         case,
+        variant,
         own,
         reference.name,
         tuple(line.number for line in lines.line if _belongs(line, case, own)),
         onset,
         tuple(_sighting(outcome, judged, twins.get(judged.run.seed), signs, onset) for judged in every),
         len(outcome.of(variant, case.name)) - len(every),
+        tuple(signs),
         tuple(name for name, sign in signs.items() if itself(sign)),
     )
 
 
+def reference_of(case: Case, references: Sequence[Case]) -> Case:
+    """The one of the references with which a case has most faults and parameters in common, and that has no others."""
+    return max((each for each in references if _within(each, case)), key=_count)
+
+
 def _within(reference: Case, case: Case) -> bool:
-    return {fault.id for fault in reference.faults} <= {fault.id for fault in case.faults}
+    faults = {fault.id for fault in reference.faults} <= {fault.id for fault in case.faults}
+    return faults and all(case.parameters.get(name) == value for name, value in reference.parameters.items())
 
 
 def _count(case: Case) -> int:
-    return len(case.faults)
+    return len(case.faults) + len(case.parameters)
 
 
 def _belongs(line: Line, case: Case, own: Sequence[Fault]) -> bool:

@@ -13,7 +13,7 @@ import pytest
 from scipy.stats import binomtest
 
 from evidence import fmea
-from evidence.failures.injection import SIGNALS, Injection, Sighting, _sighting, itself, signs_of
+from evidence.failures.injection import SIGNALS, Injection, Sighting, _sighting, itself, reference_of, signs_of
 from evidence.failures.lines import load_lines
 from navfmu.campaign import load_campaign, run_campaign
 from navfmu.campaign.case import Case
@@ -24,8 +24,8 @@ PAGE = Path(__file__).parents[2] / "docs" / "fmea.md"
 
 
 @pytest.fixture(scope="module")
-def campaign():
-    return load_campaign(fmea.CAMPAIGN)
+def campaigns():
+    return [load_campaign(path) for path in fmea.CAMPAIGNS]
 
 
 @pytest.fixture(scope="module")
@@ -40,52 +40,93 @@ def cells(text: str, heading: str) -> list[list[str]]:
     return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
 
 
-def test_every_line_stands_once_and_has_a_failure_or_a_reason(campaign, lines):
+def test_every_line_stands_once_and_has_a_failure_or_a_reason(campaigns, lines):
     assert [line.number for line in lines.line] == LINES
-    named = {fault.fmea for case in campaign.cases for fault in case.faults}
+    cases = [case for campaign in campaigns for case in campaign.cases]
+    named = {fault.fmea for case in cases for fault in case.faults}
     for line in lines.line:
-        assert set(line.cases) <= {case.name for case in campaign.cases}
+        assert set(line.cases) <= {case.name for case in cases}
         assert line.number in named or line.cases or line.lacking, line.number
     assert named <= set(LINES)
 
 
-def test_the_page_has_a_row_for_each_line_and_each_failure_of_the_campaign(campaign, lines):
+def test_campaigns_ask_for_the_same_signs_in_the_same_way(campaigns):
+    """What both ask for stands in both files; whoever changes one would compare a failure with another question."""
+    main, signals = (signs_of(campaign.requirements) for campaign in campaigns)
+    assert set(signals) - set(main) == {"SATELLITES", "PROTECTION", "APPROACH"} and set(main) <= set(signals)
+    for name, sign in main.items():
+        other = signals[name]
+        told = (sign.signal, sign.when, sign.start, sign.end, sign.tolerance, sign.description)
+        assert told == (other.signal, other.when, other.start, other.end, other.tolerance, other.description), name
+    harm = [[r for r in each.requirements if r.kind != "events"] for each in campaigns]
+    assert [(r.id, r.signal, r.most, r.percent, r.start) for r in harm[0]] == [
+        (r.id, r.signal, r.most, r.percent, r.start) for r in harm[1]
+    ]
+
+
+def test_a_failure_is_compared_with_flights_that_differ_in_nothing_else(campaigns, lines):
+    """With WAAS as with, without GPS as without: otherwise what differs anyway would be laid to the failure."""
+    told = {"backup: echo": "gps_lost", "bad_geometry": "gps_lost", "gps: gps-jammer": "gps_kept"}
+    told |= {"signals: gps-jammer": "signals_kept", "waas: waas-lost": "waas_kept"}
+    cases = [{case.name: case for case in campaign.cases} for campaign in campaigns]
+    for name, expected in told.items():
+        own = next(each for each in cases if name in each)
+        references = [own[reference] for reference in lines.references if reference in own]
+        assert reference_of(own[name], references).name == expected
+
+
+PHYSICAL = ("F26", "F27", "F28", "F29", "F30", "F31", "F32", "F33", "F35", "F36", "F37", "F38", "F43")
+"""Lines whose failures the components have by themselves."""
+
+
+def test_failures_that_components_have_are_injected_into_these(campaigns):
+    """A bias on a range passes the gate, the monitor and the search for a station, which a failure must meet."""
+    for fault in (fault for campaign in campaigns for case in campaign.cases for fault in case.faults):
+        if fault.fmea in PHYSICAL:
+            assert fault.type in ("input", "parameter"), fault.id
+
+
+def test_the_page_has_a_row_for_each_line_and_each_failure_of_the_campaigns(campaigns, lines):
     """A page that was made from other files is stale."""
     text = PAGE.read_text(encoding="utf-8")
     rows = cells(text, "Every line")
     assert [row[0] for row in rows] == LINES
     by_name = {row[0]: row for row in cells(text, "Every failure")}
-    faults = {(f.id, f.fmea, f.description) for case in campaign.cases for f in case.faults if f.id != "gps-jammed"}
+    cases = [(campaign, case) for campaign in campaigns for case in campaign.cases]
+    faults = {(f.id, f.fmea, f.description) for _, case in cases for f in case.faults if f.id != "gps-jammed"}
     for line, row in zip(lines.line, rows, strict=True):
         assert row[1] == line.failure and line.lacking in row[2]
         assert row[4] or row[2] == f"not injected: {line.lacking}"
         for name, number, words in faults:
             assert (words in row[2]) == (number == line.number), (name, line.number)
-    assert len(by_name) == len(campaign.cases)
-    for case in campaign.cases:
+    assert len(by_name) == len(cases)
+    for campaign, case in cases:
         own = [fault for fault in case.faults if fault.id != "gps-jammed"]
-        row = by_name[own[0].id if len(own) == 1 else case.name]
+        (variant,) = campaign.systems
+        row = by_name[(own[0].id if len(own) == 1 else case.name) + ("" if variant == "main" else f" ({variant})")]
         assert all(f"{fault.type} " in row[2] and fault.targets[0] in row[2] for fault in own)
         assert f" of {len(campaign.seeds)} " in row[7]
     told = {row[0]: row[1:3] for row in cells(text, "The signs")}
-    assert told == {name: [s.description, f"`{s.signal}`"] for name, s in signs_of(campaign.requirements).items()}
+    signs = {name: sign for campaign in campaigns for name, sign in signs_of(campaign.requirements).items()}
+    assert told == {name: [sign.description, f"`{sign.signal}`"] for name, sign in signs.items()}
 
 
 # ---- from the recordings ---------------------------------------------------------------------------------------------
 
-FLOWN = ("gps_kept", "gps_lost", "backup: air-silent", "backup: transponder-step", "gps: gps-elsewhere")
+FLOWN = ("gps_kept", "gps_lost", "backup: air-silent", "unmonitored: unmonitored-step", "gps: gps-elsewhere")
 SEEDS = (3, 4)
 
 
 @pytest.fixture(scope="module")
-def outcome(campaign, tmp_path_factory):
+def outcome(campaigns, tmp_path_factory):
+    campaign = campaigns[0]
     cases = tuple(case for case in campaign.cases if case.name in FLOWN)
     return run_campaign(replace(campaign, cases=cases, seeds=SEEDS), tmp_path_factory.mktemp("fmea"), 2)
 
 
 @pytest.fixture(scope="module")
 def analysis(outcome, lines):
-    return fmea.Analysis.of(outcome, lines)
+    return fmea.Analysis.of([outcome], lines)
 
 
 def flown(outcome, case: str) -> dict[int, pd.DataFrame]:
@@ -143,12 +184,12 @@ def test_what_is_noticed_and_what_is_not_is_told_apart(outcome, analysis):
         next(each for each in analysis.injected if each.case.name == case) for case in FLOWN[2:]
     )
     assert (silent.noticed, shifted.noticed, elsewhere.noticed) == (2, 0, 0)
-    assert {each.name for each in analysis.unseen} == {"transponder-step", "gps-elsewhere"}
+    assert {each.name for each in analysis.unseen} == {"unmonitored-step", "gps-elsewhere"}
     assert silent.reference == "gps_lost" and elsewhere.reference == "gps_kept"
     first = fmea.Analysis.row(analysis, analysis.lines.line[0])
     assert "air-silent" in first[2] and first[4].startswith("in every run: air-silent after 0 s")
     belongs = {each.name: each.lines for each in analysis.injected}
-    assert belongs == {"air-silent": ("F1",), "transponder-step": ("F31",), "gps-elsewhere": ("F39",)}
+    assert belongs == {"air-silent": ("F1",), "unmonitored-step": ("F31",), "gps-elsewhere": ("F39",)}
     assert analysis.false_alarms == (sum(bool(signs_in(f)) for c in FLOWN[:2] for f in flown(outcome, c).values()), 4)
     misled = {}
     for seed, frame in flown(outcome, FLOWN[3]).items():
@@ -166,9 +207,10 @@ def sighting(signs: dict[str, float], inside: list[bool], harmed: bool = False, 
     return Sighting(1, harmed, signs, time, np.full(len(inside), error), np.ones(len(inside)), np.array(inside))
 
 
-def injection(*sightings: Sighting, name: str = "x", line: str = "F1") -> Injection:
+def injection(*sightings: Sighting, name: str = "x", line: str = "F1", variant: str = "main") -> Injection:
     fault = Fault(name, "a.b", "bias", start=900.0, value=1.0, fmea=line)
-    return Injection(Case(name, faults=(fault,)), (fault,), "none", (line,), 900.0, sightings, 0, ("OWN",))
+    case = Case(name, faults=(fault,))
+    return Injection(case, variant, (fault,), "none", (line,), 900.0, sightings, 0, ("A", "OWN"), ("OWN",))
 
 
 def test_signs_and_harm_that_the_twin_has_as_well_are_not_those_of_the_failure():
@@ -230,9 +272,14 @@ def test_what_does_harm_and_shows_nothing_stands_by_itself(lines):
     assert found.unseen == [bad] and found.title.endswith("1 do harm in some run with no sign")
     noticed = found.row(lines.line[1])[4]
     assert noticed == "HARM AND NO SIGN: bad in 1 of 1; in every run: seen after 2 s; not noticed: bad"
-    assert found.row(lines.line[34])[2] == f"not injected: {lines.line[34].lacking}"
+    assert found.row(lines.line[43])[2] == f"not injected: {lines.line[43].lacking}"
 
 
-def test_signs_of_the_navigator_look_at_nothing_else(campaign):
-    own = [name for name, sign in signs_of(campaign.requirements).items() if itself(sign)]
+def test_a_failure_of_another_variant_has_a_name_of_its_own():
+    assert injection(name="jam").name == "jam" and injection(name="jam", variant="signals").name == "jam (signals)"
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_signs_of_the_navigator_look_at_nothing_else(campaigns, which):
+    own = [name for name, sign in signs_of(campaigns[which].requirements).items() if itself(sign)]
     assert own == ["DOUBT", "GATE", "SIGMA", "INVALID", "NUMBER", "GEOMETRY", "WIND", "MODE"]
