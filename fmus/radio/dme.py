@@ -461,6 +461,21 @@ class Dme(stations.StationTable, Component):
         self.place_altitude = np.where(own, self.station_altitude, altitude)
         return np.where(own, self.station_range, reach)
 
+    def seen(self):
+        """Lines from the stations to the aircraft in e, north, east and up at each station, and its horizon, m."""
+
+        def from_places(latitude, longitude, altitude):
+            line = dme.line_of_sight(self.latitude, self.longitude, self.altitude, latitude, longitude, altitude)
+            horizon = dme.horizon(self.altitude, altitude, self.antenna_height)
+            return line, *sight.in_n(latitude, longitude, line), horizon
+
+        return repeat(
+            lambda *_: from_places(*self.placed_at[:3]),
+            from_places(self.station_latitude, self.station_longitude, self.station_altitude),
+            np.where(self.stations_from == NETWORK, 1, 0),
+            1,
+        )
+
     def visible(self, north, east, up, distance):
         """Stations that are not behind terrain, seen from them at north, east, up, m; without a row there is none."""
         number = np.maximum(1.0 * self.station_number, 1.0)
@@ -484,10 +499,9 @@ class Dme(stations.StationTable, Component):
         dwell = self.lock_in + self.ranging_time
         here = (self.latitude, self.longitude, self.altitude)
         service = self.tune()
-        line = dme.line_of_sight(*here, self.place_latitude, self.place_longitude, self.place_altitude)
+        line, north, east, up, reach = self.seen()
         true_range = np.sqrt(np.sum(line * line, axis=0))
-        reach = np.minimum(dme.horizon(self.altitude, self.place_altitude, self.antenna_height), service)
-        north, east, up = sight.in_n(self.place_latitude, self.place_longitude, line)
+        reach = np.minimum(reach, service)
         inside = (true_range <= reach) & self.visible(north, east, up, true_range)
 
         # whom to ask
