@@ -229,9 +229,21 @@ class GpsSignals(Jamming, Component):
         "start_seconds of a time for which it was made"
     )
     def orbits_hold_at_the_start(self):
+        return np.any(self._told_at_the_start()[1])
+
+    @require(
+        "the table orbits has an orbit that no satellite of GPS has: expected semi_major_axis near 2.656e7 m, not its "
+        "root, eccentricity below 0.1, inclination of 0.6 to 1.3 rad and other angles within 6.4 rad, not degrees"
+    )
+    def orbits_are_of_gps(self):
+        told, hold = self._told_at_the_start()
+        return np.all(told.of_gps() | np.logical_not(hold))
+
+    def _told_at_the_start(self):
         at = gps_time.normal(self.start_week, self.start_seconds)
         prn = np.arange(1.0, SATELLITES + 1.0)
-        return np.any(selection.holds(self._told(prn, *at), prn, *at))
+        told = self._told(prn, *at)
+        return told, selection.holds(told, prn, *at)
 
     @require(
         "antenna does not have all directions: expected azimuths from -pi to pi and elevations from -pi/2 to pi/2, in "

@@ -73,6 +73,13 @@ class Ephemeris(NamedTuple):
         """Rows of a table (..., columns)."""
         return np.stack(np.broadcast_arrays(*self), -1)
 
+    def of_gps(self):
+        """Whether it is an orbit of GPS (26 560 km, 55 degrees) in m and rad: others are in other units, or columns
+        have shifted."""
+        size = (self.semi_major_axis > 2.5e7) & (self.semi_major_axis < 2.81e7) & (np.abs(self.eccentricity) < 0.1)
+        angles = np.stack([self.node, self.perigee, self.mean_anomaly])
+        return size & (np.abs(self.inclination - 0.95) < 0.35) & np.all(np.abs(angles) < 6.4, axis=0)
+
 
 _SECONDS = ("toe", "toc", "clock_bias", "group_delay", "sent", "limit")
 _RADIANS = ("inclination", "node", "perigee", "mean_anomaly", "cuc", "cus", "cic", "cis")

@@ -64,6 +64,29 @@ def test_a_start_for_which_there_are_no_orbits_is_refused(week, seconds, held):
 
 
 @pytest.mark.parametrize(
+    ("name", "turned"),
+    [
+        ("semi_major_axis", np.sqrt),
+        ("inclination", np.degrees),
+        ("node", np.degrees),
+        ("eccentricity", lambda value: value + 0.5),
+    ],
+)
+def test_orbits_in_other_units_are_refused(name, turned):
+    """Satellites would be far from where they are, with pseudoranges that agree."""
+    told = Ephemeris.of(slots.constellation())
+    rows = told._replace(**{name: turned(getattr(told, name))}).rows()
+
+    class Other(GpsSignals):
+        """With a table that was written by hand."""
+
+        orbits = Table(columns=COLUMNS, rows=rows, key="place")
+
+    with pytest.raises(NavfmuError, match="the table orbits has an orbit that no satellite of GPS has"):
+        Interpreter(Other).setup()
+
+
+@pytest.mark.parametrize(
     ("azimuths", "elevations"),
     [
         ([0.0, 2.0 * np.pi], [-0.5 * np.pi, 0.5 * np.pi]),  # half of it would have had the gain of azimuth 0
