@@ -34,6 +34,8 @@ from navfmu.terminal.progress import Progress
 HEADING = "Recorded flights past a jammer"
 POWER, BESIDE = 0.25, 5000.0
 """Of the jammer, W, and how far from the middle of the track it stands, m."""
+AROUND = 25e3
+"""What is shown of the track, m to each side."""
 HOURS = (1, 9, 17)
 """Of the day, one for each run."""
 LEVELS = {"signals": "gps_signals", "positions": None}
@@ -341,8 +343,8 @@ def picture(flights: Sequence[Flight]) -> bytes:
         minutes = np.arange(len(one.fix)) / 60.0
         fourth = np.sort(np.where(one.link.elevation >= USED, one.link.strength, 0.0), axis=1)[:, -4]
         for state, colour, label in ((True, COLOURS[0], "with GPS"), (False, COLOURS[1], "without")):
-            strength.plot(one.link.distance[one.fix == state] / 1e3, fourth[one.fix == state], ".", ms=2, color=colour,
-                          label=label)  # fmt: skip
+            strength.semilogx(one.link.distance[one.fix == state] / 1e3, fourth[one.fix == state], ".", ms=2,
+                              color=colour, label=label)  # fmt: skip
         strength.axhline(LEAST, color="black", lw=1, label=f"lost below {LEAST:g}")
         strength.axhline(ENOUGH, color="black", lw=1, ls="--", label=f"found above {ENOUGH:g}")
         strength.set_ylim(0.0, 55.0)
@@ -410,7 +412,11 @@ def _track(axis, flight: Flight, run: Run) -> None:
             axis.plot(longitude[a:b], latitude[a:b], color=colour, lw=1, label=label if k == 0 else None)
     axis.plot(np.degrees(flight.jammer.longitude), np.degrees(flight.jammer.latitude), "*", ms=12, color="black",
               label=f"jammer, {flight.jammer.power:g} W")  # fmt: skip
-    axis.set_aspect(1.0 / np.cos(np.radians(np.mean(latitude))))
+    here, near = (np.degrees(x) for x in (flight.jammer.longitude, flight.jammer.latitude)), AROUND / 111e3
+    for limit, middle, side in zip((axis.set_xlim, axis.set_ylim), here, (1.6 * near, near), strict=True):
+        limit(middle - side, middle + side)
+    axis.set_aspect(1.0 / np.cos(flight.jammer.latitude))
+    axis.locator_params(axis="x", nbins=5)
     axis.set_xlabel("longitude, deg")
     axis.set_ylabel("latitude, deg")
     axis.legend(fontsize=8)
