@@ -30,11 +30,11 @@ SENSORS = {
     "doppler_radar": 1 / 7.5,
     "loran": 1.0,
     "gps_attitude": 0.5,
-    "weather": 0.1,
+    "weather": 1.0,
     "imu_replay": 0.01,
-    "magnetometer_replay": 0.05,
-    "air_data_replay": 0.1,
-    "gps_replay": 1.0,
+    "magnetometer_replay": 0.01,
+    "air_data_replay": 0.01,
+    "gps_replay": 0.01,
 }
 """Step of the master, s: one sample each. What replays does at every tick what it does where a sample comes."""
 MEASUREMENTS = 20_000

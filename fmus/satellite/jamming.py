@@ -11,6 +11,7 @@ from models.processes.known import known
 from models.radio import dme
 from models.satellite import signal_power
 from navfmu.export import Input, Parameter, State
+from navfmu.repetition import repeat
 
 JAMMERS = 4
 
@@ -40,13 +41,18 @@ class Jamming:
 
     def _interference(self, c_ne, gain: Callable[[np.ndarray], np.ndarray]):
         """Power of all jammers behind the antenna, W, whose ``gain`` (dB) is that of directions in n, (jammers, 3)."""
-        position_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
-        line = earth.to_ecef(self.jammer_latitude, self.jammer_longitude, self.jammer_altitude).T - position_e
-        distance = np.maximum(np.sqrt(np.sum(line * line, axis=1)), 1.0)
-        power = signal_power.of_jammer(known(self.jammer_power, 0.0), distance)
-        power = power + gain((line / distance[:, None]) @ c_ne.T)
-        reach = dme.horizon(self.altitude, self.jammer_altitude, 0.0)
-        return np.sum(np.where(distance < reach, signal_power.ratio(power), 0.0))
+        radiated = known(self.jammer_power, 0.0)
+
+        def heard(_):
+            position_e = earth.to_ecef(self.latitude, self.longitude, self.altitude)
+            line = earth.to_ecef(self.jammer_latitude, self.jammer_longitude, self.jammer_altitude).T - position_e
+            distance = np.maximum(np.sqrt(np.sum(line * line, axis=1)), 1.0)
+            power = signal_power.of_jammer(radiated, distance)
+            power = power + gain((line / distance[:, None]) @ c_ne.T)
+            reach = dme.horizon(self.altitude, self.jammer_altitude, 0.0)
+            return np.sum(np.where(distance < reach, signal_power.ratio(power), 0.0))
+
+        return repeat(heard, 0.0, np.where(np.any(radiated > 0.0), 1, 0), 1)
 
     def _within_region(self):
         middle = earth.to_ecef(self.region_latitude, self.region_longitude, known(self.altitude, 0.0))
