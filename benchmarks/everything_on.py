@@ -129,6 +129,7 @@ EVERYTHING: dict[str, dict[str, Any]] = {
     },
     "gps": {**_HERE, **_NORTH, **_LEVEL},
     "gps_attitude": {**_HERE, **_LEVEL, **SKY, "oldest": 1e9},
+    "gps_errors": {"upload_age": 86400.0, "accuracy_lie": 1.0},
     "gps_signals": {
         **_HERE,
         **_NORTH,
@@ -136,6 +137,9 @@ EVERYTHING: dict[str, dict[str, Any]] = {
         "specific_force": (1.0, 2.0, -9.0),
         "jammer_power": 0.01,
         "range_step": 30.0,
+        "range_error": 2.0,
+        "ionosphere_error": -0.1,
+        "zenith_error": 0.05,
         "upload_age": 86400.0,
         "clock_drift_start": 2e-7,
         "ionosphere_scale": 1.5,

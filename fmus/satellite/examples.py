@@ -20,6 +20,9 @@ WRONG = 3
 SKY = np.radians([(15, 70), (75, 30), (130, 55), (180, 20), (215, 40), (265, 15), (300, 65), (340, 25)])
 """Azimuth and elevation of the satellites where the flight begins."""
 ALPHA, BETA = (3.82e-8, 1.49e-8, -1.79e-7, 0.0), (1.43e5, 0.0, -3.28e5, 1.13e5)
+_BEGIN = gps_inputs(np.zeros(1))
+STATION = tuple(float(_BEGIN[name][0]) for name in ("latitude", "longitude", "altitude"))
+"""Where the flight begins: latitude, longitude, rad, and altitude, m; there a reference station stands."""
 CLOCK = 3.0e4
 """Of the receiver, m."""
 
@@ -35,13 +38,11 @@ def _satellites(latitude: float, longitude: float, altitude: float) -> np.ndarra
     return place + distance[:, None] * unit_e
 
 
-def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
-    """Level flight to the west below satellites that stand still; one is STEP too far from FAULT on."""
-    flight = gps_inputs(time)
-    rng = np.random.default_rng(8)
-    here = flight["latitude"][0], flight["longitude"][0], flight["altitude"][0]
+def _seen(time: np.ndarray, flight: Mapping[str, np.ndarray], seed: int) -> dict[str, np.ndarray]:
+    """Members of the bundle of a receiver on a flight below satellites that stand still above STATION."""
+    rng = np.random.default_rng(seed)
     satellite_e = np.zeros((PLACES, 3))
-    satellite_e[: len(SKY)] = _satellites(*here)
+    satellite_e[: len(SKY)] = _satellites(*STATION)
     pseudorange, rate = np.zeros((2, len(time), PLACES))
     for k, now in enumerate(time):
         place = flight["latitude"][k], flight["longitude"][k], flight["altitude"][k]
@@ -54,17 +55,33 @@ def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         delay = delay + saastamoinen.slant(sum(saastamoinen.zenith(place[0], place[2])), sine)
         pseudorange[k, : len(SKY)] = distance + delay + CLOCK + 0.5 * rng.standard_normal(len(SKY))
         rate[k, : len(SKY)] = -unit_e @ velocity_e + 0.02 * rng.standard_normal(len(SKY))
-    pseudorange[time >= FAULT, WRONG] += STEP
     return {
-        "signals.seconds": time,
-        "signals.tracked": np.tile(np.arange(PLACES) < len(SKY), (len(time), 1)),
-        "signals.number": np.tile(np.where(np.arange(PLACES) < len(SKY), np.arange(1, PLACES + 1), 0), (len(time), 1)),
-        "signals.pseudorange": pseudorange,
-        "signals.range_rate": rate,
-        "signals.signal_to_noise": np.full((len(time), PLACES), 45.0),
-        "signals.accuracy": np.full((len(time), PLACES), 2.4),
-        "signals.satellite_e": np.tile(satellite_e, (len(time), 1, 1)),
+        "seconds": time,
+        "tracked": np.tile(np.arange(PLACES) < len(SKY), (len(time), 1)),
+        "number": np.tile(np.where(np.arange(PLACES) < len(SKY), np.arange(1, PLACES + 1), 0), (len(time), 1)),
+        "pseudorange": pseudorange,
+        "range_rate": rate,
+        "signal_to_noise": np.full((len(time), PLACES), 45.0),
+        "accuracy": np.full((len(time), PLACES), 2.4),
+        "satellite_e": np.tile(satellite_e, (len(time), 1, 1)),
     }
+
+
+def signals_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """Level flight to the west below satellites that stand still; one is STEP too far from FAULT on."""
+    seen = _seen(time, gps_inputs(time), 8)
+    seen["pseudorange"][time >= FAULT, WRONG] += STEP
+    return {f"signals.{name}": values for name, values in seen.items()}
+
+
+def differential_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """The same flight and satellites, and a receiver at STATION, whose link is lost from FAULT on."""
+    flight = gps_inputs(time)
+    still = {name: np.repeat(values[:1], len(time), axis=0) for name, values in flight.items()}
+    still["velocity_n"] = 0.0 * flight["velocity_n"]
+    both = (("signals", _seen(time, flight, 8)), ("reference", _seen(time, still, 9)))
+    seen = {f"{bundle}.{name}": values for bundle, members in both for name, values in members.items()}
+    return {**seen, "link_lost": time >= FAULT}
 
 
 def attitude_inputs(time: np.ndarray) -> dict[str, np.ndarray]:

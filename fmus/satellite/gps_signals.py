@@ -56,6 +56,7 @@ class GpsSignals(Jamming, Component):
     r through empty space while the earth turns, dt the receiver's clock, dt_s the satellite's with relativity and group
     delay; I Klobuchar's delay by the coefficients that are sent, times `ionosphere_scale` and a common Gauss-Markov
     factor; T Saastamoinen's with a common Gauss-Markov error; multipath that of RTCA DO-229 times `multipath_scale`.
+    Errors that several receivers share are those of gps_errors, inputs that are added.
 
     Signals. C/N0 is of the free-space loss, the `antenna` (a grid over azimuth and elevation in the body's axes, which
     stands upright on the roof: a bank hides satellites) and noise with that of jammers, whose power falls with the
@@ -99,6 +100,9 @@ class GpsSignals(Jamming, Component):
     pitch = Gps.pitch
     heading = Gps.heading
     specific_force = Input(3, "m/s2", description="true specific force in b, changes the frequency of the clock")
+    range_error = Input(SATELLITES, "m", description="error of orbit and clock of gps_errors, by PRN")
+    ionosphere_error = Input("1", description="error of the ionosphere's factor, of gps_errors")
+    zenith_error = Input("m", description="error of the troposphere at the zenith, of gps_errors")
     waas_lost = Input(kind="boolean", fault=True, description="fault: no corrections of WAAS are received any more")
     satellite_off = Input(SATELLITES, kind="boolean", fault=True, description="fault: satellite of this PRN is silent")
     range_step = Input(SATELLITES, "m", fault=True, description="fault: satellite of this PRN is too far by this")
@@ -306,7 +310,7 @@ class GpsSignals(Jamming, Component):
         power = signal_power.of_satellite(distance, self.signal_margin + self._gain(unit_n, c_nb))
         interference = self._interference(c_ne, lambda unit_n: self._gain(unit_n, c_nb))
         ratio = signal_power.carrier_to_noise(power, interference, self.noise_density, self.jammer_spread)
-        silent, wrong, running = self._failures(number)
+        silent, wrong, running, shared_error = self._of_satellites(number)
         heard = up & np.logical_not(silent | self.jammed | self._within_region())
         strong = heard & (ratio >= signal_power.ratio(self.acquisition_threshold))
         normal, shared = np.reshape(noise(4 * PLACES), (4, PLACES)), noise(4)
@@ -336,6 +340,7 @@ class GpsSignals(Jamming, Component):
             ]
         )
         own = ageing.sigma(self.own_sigma, self.upload_age) * (1.0 + known(self.accuracy_lie, 0.0)) * self.own
+        own = own + shared_error
         sigma = tracking.code_sigma(ratio, self.loop_bandwidth, self.detection_bandwidth, self.spacing)
         error = own + wrong + self.multipath_scale * multipath.sigma(elevation) * self.reflected + sigma * normal[2]
         rate_sigma = tracking.rate_sigma(phase, self.rate_interval)
@@ -350,13 +355,15 @@ class GpsSignals(Jamming, Component):
         self.clock_drift = self.drift + felt
         latitude, longitude, altitude = self._place()
         low = np.maximum(sine, LOWEST)
-        scale = self.ionosphere_scale * np.maximum(1.0 + self.ionosphere_sigma * self.common[0], 0.0)
+        factor = self.ionosphere_sigma * self.common[0] + known(self.ionosphere_error, 0.0)
+        scale = self.ionosphere_scale * np.maximum(1.0 + factor, 0.0)
         ionosphere = scale * klobuchar.delay(
             latitude, longitude, elevation, azimuth, second, self.ionosphere_alpha, self.ionosphere_beta
         )
-        zenith = sum(saastamoinen.zenith(latitude, altitude, self.humidity)) + self.troposphere_sigma * self.common[1]
+        modelled = sum(saastamoinen.zenith(latitude, altitude, self.humidity))
+        zenith = modelled + self.troposphere_sigma * self.common[1] + known(self.zenith_error, 0.0)
         delay = ionosphere + saastamoinen.slant(zenith, low)
-        correction, correction_sigma = self._augment(tracked, own, ionosphere, zenith, low)
+        correction, correction_sigma = self._augment(tracked, own, ionosphere, modelled, low)
         pseudorange = distance + delay + SPEED_OF_LIGHT * (self.clock_bias - clock) + error
         range_rate = sight.range_rates(unit_e, position_e, velocity_e, sight.turned(satellite_velocity, travel))
         range_rate = range_rate + SPEED_OF_LIGHT * (self.clock_drift - clock_rate) + rate_error
@@ -386,7 +393,7 @@ class GpsSignals(Jamming, Component):
             valid=finite,
         )
 
-    def _augment(self, tracked, own, ionosphere, zenith, low):
+    def _augment(self, tracked, own, ionosphere, modelled, low):
         """Corrections of WAAS, m, and their sigma, with its own model of the troposphere; zeros without it."""
         self.unheard = np.where(self.waas & np.logical_not(self.waas_lost), 0.0, self.unheard + self.period)
         self.augmented = self.unheard <= self.waas_timeout
@@ -394,8 +401,8 @@ class GpsSignals(Jamming, Component):
         def corrected(_):
             udre, give = self.waas_udre / augmentation.BOUND, self.waas_give / augmentation.BOUND
             left = self.own * udre + self.common[0] * give * augmentation.obliquity(low)
-            modelled = saastamoinen.slant(zenith - self.troposphere_sigma * self.common[1], low)
-            correction = augmentation.correction(own, ionosphere, modelled, self.waas_share * left)
+            air = saastamoinen.slant(modelled, low)
+            correction = augmentation.correction(own, ionosphere, air, self.waas_share * left)
             return np.where(tracked, correction, 0.0), np.where(tracked, augmentation.sigma(low, udre, give), 0.0)
 
         return repeat(corrected, (np.zeros(PLACES), np.zeros(PLACES)), np.where(self.augmented, 1, 0), 1)
@@ -458,14 +465,16 @@ class GpsSignals(Jamming, Component):
         azimuth, elevation = antenna.direction(unit_n, c_nb)
         return self.antenna.around(azimuth=azimuth, elevation=elevation).bilinear()[:, 0]
 
-    def _failures(self, number):
-        """Whether the satellite in each place is silent, by how much it is too far, m, and its rate, m/s."""
+    def _of_satellites(self, number):
+        """Whether the satellite in each place is silent, by how much it is too far, m, its rate, m/s, and its shared
+        error, m."""
         rate = known(self.range_ramp, 0.0)
         self.run_away = np.where(self.range_ramp != 0.0, self.run_away + self.period * rate, 0.0)
         wrong = known(self.range_step, 0.0) + self.run_away
         prn = np.arange(1, SATELLITES + 1)
-        found = np.stack([1.0 * self.satellite_off, wrong, rate]) @ np.where(number == prn[:, None], 1.0, 0.0)
-        return found[0] > 0.0, found[1], found[2]
+        shared = known(self.range_error, 0.0)
+        found = np.stack([1.0 * self.satellite_off, wrong, rate, shared]) @ np.where(number == prn[:, None], 1.0, 0.0)
+        return found[0] > 0.0, *found[1:]
 
     def _wander(self, value, time_constant, normal):
         phi = gauss_markov.decay(self.period, time_constant)

@@ -21,6 +21,7 @@ NOISY = {
     "doppler_radar": (NORTH, [f"velocity.velocity_b[{i}]" for i in (1, 2, 3)], 1 / 7.5),
     "gps": (HERE, ["fix.altitude", "fix.velocity_n[1]", "attitude.roll"], 1.0),
     "gps_attitude": ({**HERE, **SKY, "oldest": 1e9}, ["attitude.roll", "attitude.pitch", "attitude.heading"], 0.5),
+    "gps_errors": ({"own_time": 60.0}, ["range_error[1]", "range_error[32]", "zenith_error"], 1.0),
     "gps_signals": (HERE, ["clock_drift"], 1.0),
     "imu": ({}, [f"reading.{what}[{i}]" for what in ("rate", "specific_force") for i in (1, 2, 3)], 0.01),
     "loran": ({**HERE, **NORTH}, ["fix.latitude", "fix.longitude"], 1.0),
