@@ -6,6 +6,7 @@ import numpy as np
 
 from fmus import examples
 from fmus.radio import grades, stations
+from models.earth import earth
 from models.processes import gauss_markov, places
 from models.processes.known import known
 from models.radio import dme, interrogator, schedule, sight, transponder
@@ -367,8 +368,11 @@ class Dme(stations.StationTable, Component):
     place_longitude = Output(PLACES, "rad", display_unit="deg", description="longitude of it")
     place_altitude = Output(PLACES, "m", display_unit="ft", description="height of it above the ellipsoid")
 
-    placed = State(PLACES, kind="integer", description="number of the station of the network in each place, 0: none")
+    placed = State(PLACES, kind="integer", description="number of the station in each place, 0: none")
     placed_at = State((4, PLACES), "1", description="latitude, longitude (rad), altitude and range (m) of that station")
+    placed_e = State((3, PLACES), "m", description="position of it in e")
+    placed_sines = State((4, PLACES), "1", description="sine and cosine of its latitude and of its longitude")
+    placed_horizon = State(PLACES, "m", description="distance of the radio horizon of its antenna")
     network_offset = State(stations.NETWORK, "m", description="constant bias of each station of the network")
     bias = State(PLACES, "m", description="time-varying bias dR_b of each station (3.38)")
     station_bias = State(PLACES, "m", description="process of each station, of bias_sigma")
@@ -450,58 +454,60 @@ class Dme(stations.StationTable, Component):
         there, latitude, longitude, altitude, reach = found.T
         return there == number, latitude, longitude, altitude, reach
 
-    def tune(self):
-        """Which stations are in the places, where, and how far they reach."""
-        own = self.stations_from != NETWORK
-        latitude, longitude, altitude, reach = self.placed_at
-        place = np.arange(1, PLACES + 1)
-        self.station_number = np.where(own, np.where(place <= self.station_count, place, 0), self.placed)
-        self.place_latitude = np.where(own, self.station_latitude, latitude)
-        self.place_longitude = np.where(own, self.station_longitude, longitude)
-        self.place_altitude = np.where(own, self.station_altitude, altitude)
-        return np.where(own, self.station_range, reach)
-
-    def seen(self):
-        """Lines from the stations to the aircraft in e, north, east and up at each station, and its horizon, m."""
-
-        def from_places(latitude, longitude, altitude):
-            line = dme.line_of_sight(self.latitude, self.longitude, self.altitude, latitude, longitude, altitude)
-            horizon = dme.horizon(self.altitude, altitude, self.antenna_height)
-            return line, *sight.in_n(latitude, longitude, line), horizon
-
-        return repeat(
-            lambda *_: from_places(*self.placed_at[:3]),
-            from_places(self.station_latitude, self.station_longitude, self.station_altitude),
-            np.where(self.stations_from == NETWORK, 1, 0),
-            1,
+    def located(self, latitude, longitude, altitude, reach):
+        """What is kept about stations: it changes with them and not with the aircraft."""
+        return (
+            np.stack([latitude, longitude, altitude, reach]),
+            earth.to_ecef(latitude, longitude, altitude),
+            np.stack(sight.sines(latitude, longitude)),
+            dme.horizon_from(np.maximum(altitude, 0.0) + self.antenna_height),
         )
+
+    def terrain_is_low(self):
+        """Whether terrain hides nothing: masks that are -pi/2 all around, in one cell from azimuth 0 to 2 pi."""
+        number, azimuth = np.meshgrid(np.arange(1.0, stations.NETWORK + 1.0), _ROUND, indexing="ij")
+        around = self.terrain.around(station=number, azimuth=azimuth)
+        first, last = around.ends[1][:, 0], around.ends[1][:, 1]
+        return np.all(around.corners <= -0.5 * np.pi) & np.all(first == last)
 
     def visible(self, north, east, up, distance):
         """Stations that are not behind terrain, seen from them at north, east, up, m; without a row there is none."""
         number = np.maximum(1.0 * self.station_number, 1.0)
-        around = self.terrain.around(station=number, azimuth=sight.azimuth(north, east))
-        mask = np.where(number <= around.ends[0][:, 1], around.bilinear()[:, 0], -0.5 * np.pi)
-        return sight.is_above(up, distance, np.clip(mask - sight.bending(distance), -0.5 * np.pi, 0.5 * np.pi))
+
+        def above_terrain(_):
+            around = self.terrain.around(station=number, azimuth=sight.azimuth(north, east))
+            mask = np.where(number <= around.ends[0][:, 1], around.bilinear()[:, 0], -0.5 * np.pi)
+            return sight.is_above(up, distance, np.clip(mask - sight.bending(distance), -0.5 * np.pi, 0.5 * np.pi))
+
+        flat = sight.is_above(up, distance, -0.5 * np.pi)
+        return repeat(above_terrain, flat, np.where(self.terrain_is_low(), 0, 1), 1)
 
     def select(self, line, inside, admitted):
         """Stations that take turns from now on; ``line`` from each to the aircraft in e."""
         place = np.arange(PLACES)
-        in_pair = (place == self.pair[0] - 1) | (place == self.pair[1] - 1)
-        north, east, _ = sight.in_n(self.latitude, self.longitude, line)
         usable = admitted & inside & (self.rest <= 0.0)
-        best = schedule.best_pair(north, east, usable, self.least_inclusion)
-        chosen = np.where(self.selection == 1, admitted, np.where(self.selection == 2, admitted & in_pair, best))
+
+        def crossing_best(_):
+            north, east, _ = sight.in_n(self.latitude, self.longitude, line)
+            return schedule.best_pair(north, east, usable, self.least_inclusion)
+
+        in_pair = (place == self.pair[0] - 1) | (place == self.pair[1] - 1)
+        named = admitted & ((self.selection == 1) | in_pair)
         due_before = schedule.due_now(self.time - self.period, self.period, self.interval)
-        return np.where(due_before | ~np.any(self.selected), chosen, self.selected)
+        anew = due_before | ~np.any(self.selected)
+        chosen = repeat(crossing_best, named, np.where(anew & (self.selection == 3), 1, 0), 1)
+        return np.where(anew, chosen, self.selected)
 
     @every("ranging_period")
     def receive(self, noise):
         dwell = self.lock_in + self.ranging_time
         here = (self.latitude, self.longitude, self.altitude)
-        service = self.tune()
-        line, north, east, up, reach = self.seen()
+        self.station_number = self.placed
+        self.place_latitude, self.place_longitude, self.place_altitude, service = self.placed_at
+        line = earth.to_ecef(*here)[:, None] - self.placed_e
+        north, east, up = sight.turned(self.placed_sines, line)
         true_range = np.sqrt(np.sum(line * line, axis=0))
-        reach = np.minimum(reach, service)
+        reach = np.minimum(dme.horizon_from(self.altitude) + self.placed_horizon, service)
         inside = (true_range <= reach) & self.visible(north, east, up, true_range)
 
         # whom to ask
@@ -574,7 +580,8 @@ class Dme(stations.StationTable, Component):
             kept = np.where(np.any((placed[:, None] == number) & inside, axis=1), placed, 0)
             return places.filled(kept, inside & np.logical_not(places.has_one(kept, stations.NETWORK)), away, PLACES)
 
-        placed = repeat(exchanged, self.placed, np.where(self.stations_from == NETWORK, 1, 0), 1)
+        once = np.where(self.stations_from == NETWORK, 1, 0)
+        placed = repeat(exchanged, self.placed, once, 1)
         new = placed != self.placed
         drawn = gauss_markov.stationary(self.bias_sigma, noise(PLACES))
         self.station_bias = np.where(new, drawn, self.station_bias)
@@ -586,4 +593,19 @@ class Dme(stations.StationTable, Component):
         self.rest = np.where(new, 0.0, self.rest)
         self.selected = self.selected & np.logical_not(np.any(new))
         self.placed = placed
-        self.placed_at = np.stack(self.of_network(placed)[1:])
+        self.placed_at, self.placed_e, self.placed_sines, self.placed_horizon = repeat(
+            lambda _: self.located(*self.of_network(placed)[1:]),
+            (self.placed_at, self.placed_e, self.placed_sines, self.placed_horizon),
+            once,
+            1,
+        )
+
+    @start
+    def place_stations(self):
+        """The stations of the parameters; a network has given away no place before the first exchange."""
+        own = self.stations_from != NETWORK
+        place = np.arange(1, PLACES + 1)
+        self.placed = np.where(own & (place <= self.station_count), place, 0)
+        where = (self.station_latitude, self.station_longitude, self.station_altitude, self.station_range)
+        located = self.located(*(np.where(own, x, 0.0) for x in where))
+        self.placed_at, self.placed_e, self.placed_sines, self.placed_horizon = located

@@ -44,8 +44,12 @@ def horizon(altitude, station_altitude, antenna_height):
 
     Heights below the ellipsoid count as 0, terrain is not modelled.
     """
-    reach = np.sqrt(2.0 * RADIO_EARTH_RADIUS * np.maximum(altitude, 0.0))
-    return reach + np.sqrt(2.0 * RADIO_EARTH_RADIUS * (np.maximum(station_altitude, 0.0) + antenna_height))
+    return horizon_from(altitude) + horizon_from(np.maximum(station_altitude, 0.0) + antenna_height)
+
+
+def horizon_from(height):
+    """Distance in m of the radio horizon that is seen from a ``height`` in m over a smooth earth of 4/3 radius."""
+    return np.sqrt(2.0 * RADIO_EARTH_RADIUS * np.maximum(height, 0.0))
 
 
 def correlation_time(velocity_n, lowest_speed, distance=CORRELATION_DISTANCE):

@@ -12,7 +12,17 @@ from navfmu.constants import EARTH_RADIUS, RADIO_EARTH_RADIUS
 
 def in_n(latitude, longitude, vectors):
     """North, east and up components of ``vectors`` (in e) at a place or at a place for each, arrays of their number."""
-    sin_lat, cos_lat, sin_lon, cos_lon = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
+    return turned(sines(latitude, longitude), vectors)
+
+
+def sines(latitude, longitude):
+    """Sine and cosine of ``latitude``, sine and cosine of ``longitude``: what ``turned`` needs of a place."""
+    return np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
+
+
+def turned(of_place, vectors):
+    """``in_n`` at a place, or at a place for each, whose ``sines`` are known."""
+    sin_lat, cos_lat, sin_lon, cos_lon = of_place
     outward = cos_lon * vectors[0] + sin_lon * vectors[1]
     north = cos_lat * vectors[2] - sin_lat * outward
     east = cos_lon * vectors[1] - sin_lon * vectors[0]

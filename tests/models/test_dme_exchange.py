@@ -191,8 +191,29 @@ def test_a_station_without_a_row_of_terrain_is_behind_none():
             surfaces=(("mask", "rad", np.vstack([np.full((4, 2), -0.5 * np.pi), np.full((1, 2), 1.2)])),),
         )
 
-    for east, hidden in ((500e3, []), (200e3, [5])):
-        run = interpret(Behind, stations_from="network", **QUIET, mode=3, **place(east))
-        run.do_step(0.0, 20.0)
-        numbers = run.get("station_number")
-        assert np.all(numbers > 0) and sorted(numbers[~run.get("ranging.measured")]) == hidden
+    assert hidden_at(Behind, 500e3) == []
+    assert hidden_at(Behind, 200e3) == [5]
+
+
+def test_terrain_of_a_single_station_far_on_in_the_network_hides_it():
+    """A wall around the seventh of ten rows. Catches terrain that is taken for low because that of the stations in the
+    five places of the parameters is."""
+
+    class Behind(FLIGHT):
+        """With a wall around the seventh one."""
+
+        terrain = Grid(
+            axes=(("station", "1", np.arange(1.0, 11.0)), ("azimuth", "rad", np.array([0.0, 2.0 * np.pi]))),
+            surfaces=(("mask", "rad", np.where(np.arange(10)[:, None] == 6, [1.2, 1.2], -0.5 * np.pi)),),
+        )
+
+    assert hidden_at(Behind, 500e3) == [7]
+
+
+def hidden_at(component, east):
+    """Numbers of the stations that have a place and give no range."""
+    run = interpret(component, stations_from="network", **QUIET, mode=3, **place(east))
+    run.do_step(0.0, 20.0)
+    numbers = run.get("station_number")
+    assert np.all(numbers > 0)
+    return sorted(numbers[~run.get("ranging.measured")])
