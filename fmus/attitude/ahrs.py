@@ -48,7 +48,8 @@ class Ahrs(Component):
 
     *GPS attitude* (`gps`, thesis 4.11.1): where three antennas tell it, roll, pitch and heading are measurements, too,
     (4.48)-(4.51), and calibrate gyros and hard iron while there is GPS (thesis sections 2.3 and 4.11). As long as it
-    was told within `gps_timeout` nothing that stands still in the aircraft or in the chart is in the angles.
+    was told within `gps_timeout` nothing that stands still in the aircraft or in the chart is in the angles. It is
+    taken for right to `gps_sigma`, whatever it says; older than `gps_timeout` it is not taken.
 
     *Declination* (output `local_declination`) is that of the World Magnetic Model of the `date` at `position`, every
     `chart_period` while that is valid, and its error is the model's own. Without a position the last one stays, at
@@ -497,9 +498,10 @@ class Ahrs(Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        come = self.gps.valid & (self.gps.time_of_validity <= self.time + 1.0e-6) & np.isfinite(np.sum(told))
+        age = self.time - self.gps.time_of_validity
+        come = self.gps.valid & (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6) & np.isfinite(np.sum(told))
         new_gps = come & (self.gps.sequence != self.gps_seen)
-        then = angles - turning_rates * (self.time - self.gps.time_of_validity)
+        then = angles - turning_rates * age
         correction, covariance = ahrs.angle_updates(
             correction, covariance, attitude.wrap(told - then), self.gps_sigma**2, new_gps
         )

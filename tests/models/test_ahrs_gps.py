@@ -29,8 +29,8 @@ def native(tmp_path_factory):
     return Native(Ahrs, tmp_path_factory.mktemp("ahrs_gps"))
 
 
-def fly(native, stop, lost=LOST, seed=1):
-    """Outputs at each step; GPS attitude comes at 2 Hz until ``lost``."""
+def fly(native, stop, lost=LOST, seed=1, late=0.0, wrong=lambda now: np.zeros(3)):
+    """Outputs at each step; GPS attitude comes at 2 Hz until ``lost``, ``late`` s after it held, ``wrong`` by rad."""
     rng = np.random.default_rng(seed)
     c_nb = attitude.dcm(0.0, 0.0, HEADING)
     fixed = {
@@ -46,9 +46,9 @@ def fly(native, stop, lost=LOST, seed=1):
         for bundle in ("imu", "field", "air"):
             values |= {f"{bundle}.valid": True, f"{bundle}.sequence": k, f"{bundle}.time_of_validity": now}
         if k % 5 == 0:
-            roll, pitch, yaw = SIGMA * rng.standard_normal(3)
+            roll, pitch, yaw = SIGMA * rng.standard_normal(3) + wrong(now)
             values |= {"gps.roll": roll, "gps.pitch": pitch, "gps.heading": attitude.wrap(HEADING + yaw)}
-            values |= {"gps.valid": now <= lost, "gps.sequence": k // 5, "gps.time_of_validity": now}
+            values |= {"gps.valid": now <= lost, "gps.sequence": k // 5, "gps.time_of_validity": now - late}
         return values
 
     names = [f"attitude.{name}{suffix}" for name in ANGLES for suffix in ("", "_sigma")]
@@ -113,3 +113,30 @@ def test_what_is_left_after_it_is_lost_grows_as_its_integral(native):
     seen = np.stack([got[f"attitude.{name}_sigma"] for name in ANGLES], axis=1)
     np.testing.assert_allclose(seen[before] ** 2, variances(got, before)[0], rtol=0.02)
     assert np.all(seen[after] ** 2 > 4.0 * variances(got, after)[0])
+
+
+def test_attitude_that_is_older_than_what_is_lost_is_not_taken(native):
+    """2 s, as for what comes no more. Taken after 30 s, and carried on by rates of now, it is 100 degrees off in straight
+    flight; of 1 s ago it is as good as of now."""
+    none, _ = fly(native, 100.0, lost=-1.0)
+    old, _ = fly(native, 100.0, late=30.0)
+    for name, values in none.items():
+        np.testing.assert_array_equal(old[name], values)
+    _, error = fly(native, 100.0, late=1.0)
+    assert np.max(np.abs(error[:, 600:])) < 5.0 * np.sqrt(1.5 * riccati()[0, 0])
+
+
+def test_attitude_that_is_wrong_is_followed_until_it_is_right_again(native):
+    """No gate looks at GPS: heading is off by the 3 degrees that it is told, whatever the magnetometer says, and sigma
+    does not tell. From 300 s on it is right, and what was wrong decays as the gains of the Riccati equation let it."""
+    off = np.radians([0.0, 0.0, 3.0])
+    got, error = fly(native, 420.0, lost=420.0, wrong=lambda now: off * (now < 300.0))
+    wrong = (got["time"] > 240.0) & (got["time"] < 300.0)
+    final = riccati()
+    assert np.mean(error[2, wrong]) == pytest.approx(off[2], rel=0.02)
+    assert np.mean(got["attitude.heading_sigma"][wrong]) < 0.1 * off[2]
+    closed = (np.eye(2) - np.outer(final[:, 0], [1.0, 0.0]) / SIGMA**2) @ np.array([[1.0, -AIDING], [0.0, 1.0]])
+    for seconds in (2.0, 5.0, 10.0, 20.0, 100.0):
+        after = np.flatnonzero(got["time"] > 300.0 + seconds - 1e-6)[0]
+        left, _ = np.linalg.matrix_power(closed, 1 + round(seconds / AIDING)) @ np.array([off[2], 0.0])
+        assert abs(error[2, after] - left) < 5.0 * np.sqrt(final[0, 0]), seconds
