@@ -116,8 +116,8 @@ def test_what_is_left_after_it_is_lost_grows_as_its_integral(native):
 
 
 def test_attitude_that_is_older_than_what_is_lost_is_not_taken(native):
-    """2 s, as for what comes no more. Taken after 30 s, and carried on by rates of now, it is 100 degrees off in straight
-    flight; of 1 s ago it is as good as of now."""
+    """2 s, as for what comes no more. Taken after 30 s, carried on by the rates of now, angles come to be 100 degrees
+    off in straight flight; of 1 s ago they are as good as of now."""
     none, _ = fly(native, 100.0, lost=-1.0)
     old, _ = fly(native, 100.0, late=30.0)
     for name, values in none.items():
