@@ -68,7 +68,7 @@ class GpsSignals(Jamming, Component):
     `acquisition_time` (RTO MP-43, Sabatini: 20 s). Each `search_period` satellites that have come above
     `elevation_mask` are given places, while one of `channels` is free, and keep them until they set. Where more have
     come than there are channels, those are left out without which the dilution grows least, and all are chosen anew
-    when it is above `dilution_limit`.
+    when it is above `dilution_limit`; a channel on which nothing is heard goes to another one.
 
     Augmentation (`waas`). Corrections of orbit, clock and ionosphere, and a model of the troposphere, as one number for
     each satellite; they leave `waas_share` of the errors that they say they may leave (RTCA DO-229, appendix J). Lost,
@@ -212,6 +212,7 @@ class GpsSignals(Jamming, Component):
     clock_drift = Output("1", description="rate of it")
 
     placed = State(PLACES, kind="integer", description="PRN of the satellite that has this place, 0: none")
+    vain = State(SATELLITES, kind="boolean", description="satellites on whose channel nothing was heard, of too many")
     strong_for = State(PLACES, "s", description="how long the signal has been strong enough to be found")
     own = State(PLACES, "1", description="own error, over its sigma; drawn when a satellite gets the place")
     reflected = State(PLACES, "1", description="multipath, over its sigma; drawn as this is")
@@ -282,13 +283,28 @@ class GpsSignals(Jamming, Component):
         unit_n = unit_e @ c_ne.T
         seen = finite & usable & (-unit_n[:, 2] >= np.sin(self.elevation_mask))
         placed = places.has_one(self.placed, SATELLITES)
-        rows = np.concatenate([np.where(seen | placed, 1.0, 0.0), np.zeros(1)])  # no altitude
+        wanted, held = self._promising(seen, placed)
+        rows = np.concatenate([np.where(wanted, 1.0, 0.0), np.zeros(1)])  # no altitude
         h = least_squares.design(unit_n)
-        kept = solution.choose(h, rows, self.channels, placed)
+        kept = solution.choose(h, rows, self.channels, held)
         poor = dilution.dilutions(least_squares.covariance(h, kept))[0] > self.dilution_limit
         kept = solution.choose(h, np.where(poor, rows, kept), self.channels)[:-1] > 0.0
         number = np.where(np.any((self.placed[:, None] == prn) & kept, axis=1), self.placed, 0)
         self.placed = places.filled(number, kept & np.logical_not(placed), 1.0 * prn, self.channels)
+
+    def _promising(self, seen, placed):
+        """Satellites that may have a channel, and those of them that keep it.
+
+        Where there are too few channels, one on which nothing was heard goes to others, until all have been tried.
+        """
+        wanted = seen | placed
+        crowded = np.sum(np.where(wanted, 1, 0)) > self.channels
+        mute = np.logical_not(self.signals.tracked) & (self.strong_for <= 0.0)
+        vain = (self.vain | places.has_one(np.where(mute, self.placed, 0), SATELLITES)) & seen & crowded
+        others = wanted & np.logical_not(vain)
+        enough = np.sum(np.where(others, 1, 0)) >= self.channels
+        self.vain = vain & enough
+        return np.where(enough, others, wanted), np.where(enough, placed & others, others)
 
     @every("measurement_period")
     def measure(self, noise):

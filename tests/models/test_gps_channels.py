@@ -97,6 +97,27 @@ def test_a_satellite_that_takes_a_channel_must_be_found(receiving):
             assert held[k + 3, place]
 
 
+@pytest.mark.parametrize("which", [(0,), (1, 3)])
+def test_a_channel_on_which_nothing_is_heard_goes_to_another_satellite(receiving, which):
+    """F35 with four channels: after the next search (10 s) and the time to find it (20 s) there are four again, those
+    that were heard among them. With its channel kept until it sets there are three, and no fix, for hours."""
+    number = receiving.run(2, channels=4)["signals.number"][-1]
+    silent = number[number > 0.0][list(which)].astype(int)
+    off_air = np.isin(np.arange(1, 33), silent)
+    solver = {"elevation_mask": np.radians(5.0)}
+    run = receiving.run(120, lambda t: {"satellite_off": off_air & (t >= 30.0)}, solver=solver, channels=4)
+    assert run["satellites"][29] == 4 and run["satellites"][31] == 4 - len(which)
+    assert np.all(run["satellites"][62:] == 4) and np.all(run["fix.valid"][62:] == 1.0)
+    left = set(run["signals.number"][-1].astype(int)) - {0}
+    assert set(number[number > 0.0]) - set(silent) <= left and not left & set(silent)
+
+
+def test_four_channels_find_satellites_again_after_all_were_jammed(receiving):
+    """For longer than it takes to try all ten: 20 s after the next of them that are searched for."""
+    run = receiving.run(160, lambda t: {"jammed": 30.0 <= t < 117.0}, channels=4)
+    assert np.all(run["satellites"][31:117] == 0) and np.all(run["satellites"][147:] == 4)
+
+
 def test_with_channels_enough_places_are_given_by_number(receiving):
     number, _ = sky(receiving.run(2))
     assert number.tolist() == sorted(number)
