@@ -63,6 +63,7 @@ class Lines:
     def instant(self, at: int, fields: list[str]) -> tuple[date, float]:
         """A date and the seconds of the day: year, month, day, hour, minute, second."""
         parts = ("the year", "the month", "the day", "the hour", "the minute")
+        fields = [*fields, *[""] * 6]  # what is missing is told
         year, month, day, hour, minute = (self.whole(at, text, what) for text, what in zip(fields, parts, strict=False))
         second = self.number(at, fields[5], "the second")
         if len(fields[0].strip()) <= 2:

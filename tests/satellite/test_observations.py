@@ -97,6 +97,8 @@ def changed(old, new, text=made.OBSERVED_3):
         (changed("  0  3\n", "  0  2\n"), ["line 11", "begins with 'R07 '", "an epoch"]),
         (changed("     GPS  ", "     UTC  "), ["line 6", "system UTC", "18 s behind"]),
         (changed("     GPS  ", "     GLO  "), ["system GLO", "expected GPS"]),
+        (changed("     0     0    0.0000000     GPS  ", "                              GLO  "), ["hour is missing"]),
+        (changed("    0.0000000     GPS  ", "                  GLO  "), ["the second is missing"]),
         (changed("00 01 00.0", "00 00 00.0"), ["line 14", "not after that of line 8"]),
         (changed("00 01 00.0", "00 61 00.0"), ["line 14", "0:61:0 is no time"]),
         (changed("2020 06 25 00 01", "2020 06 31 00 01"), ["2020-6-31 is no date"]),
