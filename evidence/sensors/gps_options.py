@@ -1,4 +1,4 @@
-"""GPS as signals with what a receiver may have besides: corrections of WAAS, three antennas, few channels."""
+"""GPS as signals with what a receiver may have besides: WAAS, three antennas, few channels, a reference station."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from evidence.section import Section
+from evidence.sensors.reference_station import Station
 from models.earth import earth
 from models.satellite import baselines, sight
 from navfmu import Fault, System
@@ -21,7 +22,7 @@ from navfmu.report.page import Page
 from navfmu.ssp.writer import SystemSource
 from navfmu.system import shipped
 
-HEADING = "GPS with WAAS, three antennas, few channels"
+HEADING = "GPS with WAAS, three antennas, few channels, a reference station"
 PLACE = {"latitude": float(np.radians(37.7)), "longitude": float(np.radians(-121.8)), "altitude": 1000.0}
 TIMES, SKIES = 60, 48
 """Of a day at which it is measured, and at which channels are chosen."""
@@ -48,6 +49,7 @@ class Found:
     """Root of the mean of squares of roll, pitch and heading by SIZES, degrees."""
     dilution: np.ndarray
     """GDOP over a day of all satellites, of those CHANNELS take, of the best, of the first by number: (SKIES, 4)."""
+    station: Station
 
     @classmethod
     def measured(cls) -> Found:
@@ -59,7 +61,7 @@ class Found:
                 errors.append(there)
                 squares.append(turned)
             skies = np.array([_sky(system, k) for k in range(SKIES)])
-        return cls(np.array(errors), np.sqrt(np.mean(squares, axis=0)), skies)
+        return cls(np.array(errors), np.sqrt(np.mean(squares, axis=0)), skies, Station.measured())
 
     def rms(self, begin: int, end: int) -> np.ndarray:
         """North, east, down from ``begin`` to ``end``, s."""
@@ -154,6 +156,7 @@ def make_claims(found: Found) -> list[Claim]:
             "Four channels take four that are as good as the best, within", worse, 1.25, False, "times",
             "Four channels take worse satellites than the best four, by",
         ),
+        *found.station.claims,
     ]  # fmt: skip
 
 
@@ -170,16 +173,16 @@ def section(found: Found) -> Section:
 
     def write(page: Page) -> None:
         page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        page.picture(picture(found), "Errors while WAAS is lost, attitude by baselines, dilution of four channels")
+        page.items([*(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims), *found.station.told])
+        page.picture(picture(found), "Errors while WAAS is lost, attitude, dilution of four channels, old corrections")
 
     return Section(claims, write)
 
 
 def picture(found: Found) -> bytes:
-    """Errors while WAAS is lost; attitude by baselines; dilution of four channels over a day."""
+    """Errors while WAAS is lost; attitude by baselines; dilution of four channels over a day; old corrections."""
     claims = make_claims(found)
-    with figure(1, 3, size=(13.0, 4.4)) as (drawing, (waas, attitude, channels)):
+    with figure(2, 2, size=(10.0, 8.4)) as (drawing, ((waas, attitude), (channels, station))):
         second = np.arange(1, STOP + 1)
         for axis, (name, bar) in enumerate(THESIS.items()):
             colour = COLOURS[axis]
@@ -209,9 +212,11 @@ def picture(found: Found) -> bytes:
             claims[0].sentence,
             claims[3].sentence.partition(", within")[0],
             claims[5].sentence.partition(", within")[0],
+            claims[8].sentence,
         )
-        for panel, text in zip((waas, attitude, channels), titles, strict=True):
+        found.station.draw(station)
+        for panel, text in zip((waas, attitude, channels, station), titles, strict=True):
             title(drawing, panel, text)
             panel.legend(fontsize=7)
-        drawing.subplots_adjust(wspace=0.24)
+        drawing.subplots_adjust(wspace=0.24, hspace=0.34)
         return png(drawing)

@@ -20,6 +20,7 @@ from tests.models.receiving import PLACE, QUIET
 SHARED = ("range_error", "ionosphere_error", "zenith_error")
 OWN = dict.fromkeys(("own_sigma", "ionosphere_sigma", "troposphere_sigma"), 0.0)
 START = 345609.0
+LIGHT, EARTH_RATE = 299792458.0, 7.2921151467e-5
 RISE = 1e-6
 
 
@@ -84,8 +85,11 @@ def of_satellites(found, name):
 
 def test_at_the_same_place_nothing_is_left_but_what_each_receiver_has_for_itself(run):
     """With the same noise in both, every error at its start values: 1 um, where one receiver alone is off by metres. A
-    wrong sign doubles the error; a clock of the station of 30 km that stayed would be in nothing but the clock."""
-    found = run(60, seeds=(3, 3), both={}, differential={"latency": 0.0}, solver={"exclusions": 0})
+    wrong sign doubles the error. The clock is off by the delays of the air, some tens of ns, and not by the station's
+    0.1 ms."""
+    record, fresh = ["solver.clock_bias", "rover.clock_bias"], {"latency": 0.0}
+    found = run(60, seeds=(3, 3), both={}, record=record, differential=fresh, solver={"exclusions": 0})
+    assert np.max(np.abs(found["solver.clock_bias"] - found["rover.clock_bias"])) < 2e-7
     assert np.max(np.abs(found["solver.off"])) < 1e-6
     assert np.sqrt(np.mean(found["alone.off"] ** 2)) > 1.0
     np.testing.assert_array_equal(found["differential.age"], 0.0)
@@ -93,9 +97,12 @@ def test_at_the_same_place_nothing_is_left_but_what_each_receiver_has_for_itself
 
 def test_satellites_are_matched_by_their_numbers(run):
     """The station sees what is above 20 degrees, so that satellites have other places in its bundle: taken by places
-    corrections would be off by tens of metres. The rover's others are not passed on."""
+    corrections would be off by tens of metres. The rover's others are not passed on, nor what it has of WAAS."""
     record = ["station.signals.number", "station.signals.tracked"]
-    found = run(20, record=record, station={"elevation_mask": np.radians(20.0)}, differential={"latency": 0.0})
+    high, fresh = {"elevation_mask": np.radians(20.0)}, {"latency": 0.0}
+    found = run(20, record=record, station=high, rover={"waas": True}, differential=fresh)
+    assert np.any(found["rover.signals.correction_sigma"] > 0.0)
+    assert not np.any(found["differential.differential.correction_sigma"])
     station = [
         n
         for n, seen in zip(found["station.signals.number"][-1], found["station.signals.tracked"][-1], strict=True)
@@ -120,7 +127,7 @@ def test_thirty_kilometres_away_what_is_left_is_the_air_between(run):
     for place in ({**PLACE, "latitude": latitude}, PLACE):
         satellite = found[f"{bundle}.satellite_e"][k].reshape(-1, 3)[seen]
         receiver = np.array(pymap3d.geodetic2ecef(*place.values(), deg=False))
-        angle = 7.2921151467e-5 * np.linalg.norm(satellite - receiver, axis=1) / 299792458.0
+        angle = EARTH_RATE * np.linalg.norm(satellite - receiver, axis=1) / LIGHT
         x, y, z = satellite.T
         turned = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x, z
         azimuth, elevation, distance = pymap3d.ecef2aer(*turned, *place.values(), deg=False)
@@ -132,7 +139,7 @@ def test_thirty_kilometres_away_what_is_left_is_the_air_between(run):
         zenith = sum(saastamoinen.zenith(place["latitude"], place["altitude"], saastamoinen.HUMIDITY))
         delays.append(delay + saastamoinen.slant(zenith, np.sin(elevation)))
         distances.append(distance)
-    measured = found[f"{bundle}.pseudorange"][k] + 299792458.0 * found[f"{bundle}.satellite_clock"][k]
+    measured = found[f"{bundle}.pseudorange"][k] + LIGHT * found[f"{bundle}.satellite_clock"][k]
     left = (measured + found[f"{bundle}.correction"][k])[seen] - distances[0]
     between = delays[0] - delays[1]
     assert 0.2 < np.ptp(between) < 2.0
@@ -152,13 +159,16 @@ def test_an_antenna_of_the_station_that_is_not_where_it_should_be_moves_all_posi
 
 def test_messages_have_the_age_that_period_and_latency_give_them(run):
     """Each 5 s from 1 s on, 2 s under way: a message of t is used from t + 2 to t + 6. Across the end of a week, where
-    seconds alone would make it -604798 s; tags are by clocks that differ by nanoseconds."""
-    given = {"message_period": 5.0, "latency": 2.0}
+    seconds alone would make it -604798 s; tags are by clocks that differ by nanoseconds. Meanwhile, held, corrections
+    are the same to the last bit."""
+    given = {"message_period": 5.0, "latency": 2.0, "carried": False}
     for second in (START, 604790.0):
         found = run(30, second=second, differential=given)
         expected = [2.0 + (t - 3) % 5 if t >= 3 else 0.0 for t in range(1, 31)]
         np.testing.assert_allclose(found["differential.age"], expected, atol=1e-5)
         np.testing.assert_array_equal(found["differential.satellites"] > 0.0, np.array(expected) > 0.0)
+        changed = np.any(np.diff(found["differential.differential.correction"], axis=0) != 0.0, axis=1)
+        np.testing.assert_array_equal(changed, np.array(expected[1:]) == 2.0)
 
 
 def test_a_message_that_the_next_one_overtakes_is_refused():
@@ -181,6 +191,14 @@ def test_a_link_that_is_lost_leaves_the_receiver_alone_after_the_timeout(run):
         np.testing.assert_array_equal(ours[31:49], its[31:49])
     apart = np.linalg.norm(found["solver.off"] - found["alone.off"], axis=1)
     assert np.max(apart[35:49]) < 1e-3 and np.min(apart[1:29]) > 1.0 and np.min(apart[52:]) > 1.0
+
+
+def test_rates_of_satellites_without_an_error_carry_nothing_on(run):
+    """30 s long; velocities in e of sending and not of reception are some cm/s off."""
+    found = run(30, errors=OWN, differential={"message_period": 60.0, "latency": 0.0})
+    correction = of_satellites(found, "differential.differential.correction")
+    assert found["differential.age"][-1] == pytest.approx(29.0, abs=1e-5)
+    assert np.nanmax(np.abs(correction[-1] - correction[0])) < 0.01
 
 
 def test_a_satellite_that_runs_away_is_carried_on(run):
@@ -223,24 +241,45 @@ def test_with_fewer_than_four_in_common_all_is_passed_on_as_it_came(run):
     assert np.all(found["differential.satellites"] == 0.0) and np.any(found["rover.signals.corrected"] > 0.0)
 
 
-@pytest.mark.parametrize("none", [np.nan, np.inf, 1e300])
-def test_a_measurement_of_the_station_that_is_no_number_is_not_in_the_corrections_of_others(none):
+def corrected(pseudorange, **more):
+    """The component after signals of both receivers of satellites 1 to 6, which stand still; those of the other one are
+    10 s younger."""
     component = Interpreter(GpsDifferential)
-    component.set("latency", 0.0)
+    for name, value in {**{f"reference_{name}": value for name, value in PLACE.items()}, "latency": 0.0}.items():
+        component.set(name, value)
     component.setup()
     number = np.where(np.arange(24) < 6, np.arange(24) + 1, 0)
-    satellites = 2.6e7 * np.stack([np.cos(np.arange(24.0)), np.sin(np.arange(24.0)), np.ones(24)], axis=1)
-
-    def tell(bundle, pseudorange, sequence):
-        values = {"tracked": number > 0, "number": number, "pseudorange": pseudorange, "satellite_e": satellites}
-        for name, value in {**values, "valid": True, "sequence": sequence, "time_of_validity": 1.0 * sequence}.items():
+    for bundle, ranges, at in (("reference", pseudorange, 0.0), ("signals", np.full(24, 2.3e7), 10.0)):
+        values = {"tracked": number > 0, "number": number, "pseudorange": ranges, "satellite_e": STILL, "seconds": at}
+        for name, value in {**values, "valid": True, "sequence": 1, "time_of_validity": at, **more}.items():
             component.set(f"{bundle}.{name}", value)
+    component.do_step(0.0, 11.0)
+    return component
 
-    tell("reference", np.where(np.arange(24) == 2, none, 2.3e7), 1)
-    tell("signals", np.full(24, 2.3e7), 1)
-    component.do_step(0.0, 2.0)
-    corrected = np.asarray(component.get("differential.corrected"))
-    assert corrected[:6].tolist() == [True, True, False, True, True, True]
+
+STILL = 1.5e7 * np.stack([np.cos(np.arange(24.0)), np.sin(np.arange(24.0)), np.ones(24)], axis=1)
+
+
+def test_clocks_of_satellites_are_no_error_of_theirs():
+    """Ranges with clocks of up to 0.1 ms and 1e-9, which would be 30 km, and 3 m in 10 s: corrected is nothing."""
+    clock = np.linspace(-1e-4, 1e-4, 24)
+    receiver = np.array(pymap3d.geodetic2ecef(*PLACE.values(), deg=False))
+    travel = np.linalg.norm(STILL - receiver, axis=1) / LIGHT
+    angle = EARTH_RATE * travel
+    x, y, z = STILL.T
+    turned = np.stack([np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x, z], axis=1)
+    pseudorange = np.linalg.norm(turned - receiver, axis=1) - LIGHT * clock
+    given = {"satellite_clock": clock, "satellite_clock_rate": 1e-5 * clock, "range_rate": -1e-5 * LIGHT * clock}
+    component = corrected(pseudorange, **given)
+    assert component.get("age") == 10.0 and component.get("satellites") == 6
+    np.testing.assert_allclose(np.asarray(component.get("differential.correction")), 0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("none", [np.nan, np.inf, 1e300])
+def test_a_measurement_of_the_station_that_is_no_number_is_not_in_the_corrections_of_others(none):
+    component = corrected(np.where(np.arange(24) == 2, none, 2.3e7))
+    seen = np.asarray(component.get("differential.corrected"))
+    assert seen[:6].tolist() == [True, True, False, True, True, True]
     assert np.all(np.isfinite(np.asarray(component.get("differential.correction"))))
     assert np.max(np.abs(component.get("differential.correction"))) < 1e8
 
