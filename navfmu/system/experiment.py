@@ -149,7 +149,7 @@ class Experiment:
     @property
     def notes(self) -> list[str]:
         """What the user should know before it is run: of the system, and which of two settings of one value holds."""
-        return [*self.system.notes, *map(visible, self._contradictions())]
+        return [*self.system.notes, *map(visible, (*self._contradictions(), *self._equal_noise()))]
 
     def _contradictions(self) -> Iterator[str]:
         """The later parameter holds, and a parameter rather than the seed."""
@@ -163,6 +163,20 @@ class Experiment:
         for (component, variable), (_, value) in last.items():
             if variable == "seed" and self.seed not in (None, value):
                 yield f"the seed of '{component}' is {value}, as its parameter says, not that of the run"
+
+    def _equal_noise(self) -> Iterator[str]:
+        """Components that draw from one stream of one seed: the readings of two sensors are wrong alike."""
+        first: dict[tuple[int, int], str] = {}
+        for name, values in self.start_values().items():
+            found = self.system.fmus[name].description.by_name
+            if "seed" in found and "stream" in found:
+                seed, stream = (int(values.get(word, found[word].start or 0)) for word in ("seed", "stream"))
+                other = first.setdefault((seed, stream), name)
+                if other != name:
+                    yield (
+                        f"'{other}' and '{name}' have the same noise, as they have the same seed {seed} and the same "
+                        f"stream {stream}: give one of them another value of the parameter stream"
+                    )
 
     def plan(self) -> Plan:
         """The plan that an engine executes."""

@@ -13,6 +13,7 @@ from navfmu.engine.library import binary_hash
 
 PACKAGES = ("numpy", "pandas", "fmpy")
 ROOMS = (
+    "constants",
     "errors",
     "files",
     "fmi",

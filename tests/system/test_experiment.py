@@ -251,3 +251,17 @@ def test_which_of_two_settings_holds_is_told(name, tmp_path_factory):
 def test_a_seed_of_a_parameter_needs_no_note_where_the_run_has_none(tmp_path_factory):
     imu = System.load(built.fmu("imu", tmp_path_factory))
     assert imu.experiment(stop=0.1, step=0.01, parameters={"imu.seed": 3}).notes == []
+
+
+def test_two_sensors_of_one_stream_are_told_to_have_the_same_noise(tmp_path_factory):
+    """They differ by nothing: an average of two gains nothing, and a difference shows no error."""
+    from navfmu.ssp import SystemSource
+
+    source = SystemSource("two_units")
+    for name in ("left", "right"):
+        source.component(name, built.fmu("imu", tmp_path_factory))
+    system = System.load(source.pack(tmp_path_factory.mktemp("two") / "two.ssp"))
+    alike, apart = (system.experiment(stop=0.1, step=0.01, seed=9, parameters=p) for p in ({}, {"right.stream": 7}))
+    assert [note for note in apart.notes if "noise" in note] == []
+    (note,) = (note for note in alike.notes if "noise" in note)
+    assert note.startswith("'left' and 'right' have the same noise, as they have the same seed 9 and the same stream ")
