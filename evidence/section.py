@@ -20,6 +20,23 @@ class Section:
     left_out: str = ""
 
 
+def illustrated(
+    heading: str, claims: Sequence[Claim], picture: Callable[[], bytes], words: str, *table: Sequence
+) -> Section:
+    """A sensor's section: each claim with what was found and its limit, a ``table`` (head, rows) if there is one, and
+    the picture, which ``words`` describe and which is drawn when the page is written.
+    """
+
+    def write(page: Page) -> None:
+        page.heading(heading, 3)
+        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
+        if table:
+            page.table(*table)
+        page.picture(picture(), words)
+
+    return Section(claims, write)
+
+
 def left_out(heading: str, reason: str) -> Section:
     """A section without data."""
 

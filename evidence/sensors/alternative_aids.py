@@ -11,13 +11,12 @@ import pymap3d
 from pymap3d import vincenty
 from scipy import stats
 
-from evidence.section import Section
+from evidence.section import Section, illustrated
 from navfmu import System
 from navfmu.constants import KNOT, NAUTICAL_MILE
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
-from navfmu.report.page import Page
 from navfmu.ssp.writer import SystemSource
 from navfmu.system import shipped
 
@@ -221,14 +220,8 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        page.picture(picture(found), "Errors by VOR over distance, by radar, by Doppler radar over a sea, by LORAN")
-
-    return Section(claims, write)
+    words = "Errors by VOR over distance, by radar, by Doppler radar over a sea, by LORAN"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words)
 
 
 def picture(found: Found) -> bytes:

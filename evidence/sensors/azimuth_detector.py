@@ -11,13 +11,12 @@ import numpy as np
 import pygeomag
 from scipy import stats
 
-from evidence.section import Section
+from evidence.section import Section, illustrated
 from navfmu import System
 from navfmu.constants import STANDARD_GRAVITY
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
-from navfmu.report.page import Page
 from navfmu.system import shipped
 
 HEADING = "Magnetic azimuth detector"
@@ -141,14 +140,8 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        page.picture(picture(found), "Errors in turns by heading, correlation of the slow error, noise against time")
-
-    return Section(claims, write)
+    words = "Errors in turns by heading, correlation of the slow error, noise against time"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words)
 
 
 def picture(found: Found) -> bytes:

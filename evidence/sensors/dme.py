@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from evidence.section import Section
+from evidence.section import Section, illustrated
 from navfmu import Fault, System
 from navfmu.constants import NAUTICAL_MILE
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
-from navfmu.report.page import Page
 from navfmu.system import shipped
 
 HEADING = "Distance measuring equipment"
@@ -174,14 +173,8 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        page.picture(picture(found), "Covariance of the errors, phases of five stations by schedule, capacity")
-
-    return Section(claims, write)
+    words = "Covariance of the errors, phases of five stations by schedule, capacity"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words)
 
 
 def picture(found: Found) -> bytes:

@@ -11,13 +11,12 @@ import numpy as np
 import pygeomag
 from scipy import integrate, special
 
-from evidence.section import Section
+from evidence.section import Section, illustrated
 from navfmu import System
 from navfmu.faults import Fault
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
-from navfmu.report.page import Page
 from navfmu.system import shipped
 
 HEADING = "Magnetometer"
@@ -208,14 +207,8 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        page.picture(picture(found), "Declination by date, heading errors of faults, decay with height, a current")
-
-    return Section(claims, write)
+    words = "Declination by date, heading errors of faults, decay with height, a current"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words)
 
 
 def _means(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from pymap3d import vincenty
 
-from evidence.section import Section, left_out, recorded
+from evidence.section import Section, illustrated, left_out, recorded
 from navfmu.constants import FOOT, NAUTICAL_MILE, RADIO_EARTH_RADIUS
 from navfmu.files.writing import write_file
 from navfmu.navaids import file as station_file
@@ -26,7 +26,6 @@ from navfmu.navaids.station import Station, distance
 from navfmu.recorded import track
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, figure, png
-from navfmu.report.page import Page
 
 HEADING = "Ground stations"
 MIDDLE = (float(np.radians(37.7)), float(np.radians(-121.8)))
@@ -183,17 +182,10 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, coverage by region, and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        rows = [[name, str(len(heard)), *(f"{x:.0f}" for x in shares(heard))] for name, heard in found.heard.items()]
-        head = [f"{n} at {h:g} ft, %" for n in ("two", "three") for h in HEIGHTS]
-        page.table(["region", "airports", *head], rows)
-        page.picture(picture(found), "Dilution with three and with two stations; airports; a region at 500 and 1500 ft")
-
-    return Section(claims, write)
+    rows = [[name, str(len(heard)), *(f"{x:.0f}" for x in shares(heard))] for name, heard in found.heard.items()]
+    head = ["region", "airports", *(f"{n} at {h:g} ft, %" for n in ("two", "three") for h in HEIGHTS)]
+    words = "Dilution with three and with two stations; airports; a region at 500 and 1500 ft"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words, head, rows)
 
 
 def picture(found: Found) -> bytes:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evidence.section import Section, left_out, recorded
+from evidence.section import Section, illustrated, left_out, recorded
 from models.earth import earth
 from models.satellite import orbit, satellite_clock, selection, slots
 from models.satellite.ephemeris import Ephemeris
@@ -25,7 +25,6 @@ from navfmu.constants import SPEED_OF_LIGHT
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.figure import COLOURS, GREY, figure, png
-from navfmu.report.page import Page
 from navfmu.satellite.file import read_orbits
 
 HEADING = "Satellites"
@@ -244,20 +243,13 @@ def make_claims(found: Found) -> list[Claim]:
 
 def section(found: Found) -> Section:
     """Claims, figures and the picture."""
-    claims = make_claims(found)
-
-    def write(page: Page) -> None:
-        page.heading(HEADING, 3)
-        page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
-        both = ((found.precise, "nearest in the file"), (found.heard, "nearest of those sent by then"))
-        rows = []
-        for table, name in both:
-            rms = [f"{np.sqrt(np.mean(table[axis] ** 2)):.2f}" for axis in PRECISE]
-            rows.append([name, str(len(table)), *rms, f"{table['radial'].mean():.2f}"])
-        page.table(["ephemerides", "points", *(f"{axis}, m rms" for axis in PRECISE), "radial, mean, m"], rows)
-        page.picture(picture(found), "Broadcast minus precise orbits and clocks; dilution over a day of the 24 slots")
-
-    return Section(claims, write)
+    rows = []
+    for table, name in ((found.precise, "nearest in the file"), (found.heard, "nearest of those sent by then")):
+        rms = [f"{np.sqrt(np.mean(table[axis] ** 2)):.2f}" for axis in PRECISE]
+        rows.append([name, str(len(table)), *rms, f"{table['radial'].mean():.2f}"])
+    head = ["ephemerides", "points", *(f"{axis}, m rms" for axis in PRECISE), "radial, mean, m"]
+    words = "Broadcast minus precise orbits and clocks; dilution over a day of the 24 slots"
+    return illustrated(HEADING, make_claims(found), lambda: picture(found), words, head, rows)
 
 
 def picture(found: Found) -> bytes:
