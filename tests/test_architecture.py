@@ -25,6 +25,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "sabotage",
     "satellite",
     "recorded",
+    "calibration",
     "navaids",
     "sweep",
     "campaign",

@@ -12,6 +12,7 @@ from navfmu.errors import nearest
 from navfmu.terminal import interrupt, refusal
 
 COMMANDS = {  # command -> module, and its line in the list of commands
+    "allan": ("navfmu.cli.allan", "Tell the errors of an inertial unit at rest apart."),
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
     "coverage": ("navfmu.cli.coverage", "Show how many stations are heard, and how they cross."),

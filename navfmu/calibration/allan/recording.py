@@ -1,0 +1,153 @@
+"""A recording of an inertial unit at rest, from a file: columns by name, checked, cut to where nothing moves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from navfmu.calibration.allan.sensor import SENSORS, Sensor
+from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
+from navfmu.errors import NavfmuError, nearest
+from navfmu.recorded.replay.asked import scale
+from navfmu.recorded.replay.file import File, read
+
+TIME = "time"
+GAP = 1.5
+"""Intervals of more than this many usual ones end a stretch."""
+STEPS = 5
+"""Values that a column has at rest, at least: noise of half a step of the resolution or more has so many."""
+IRREGULAR = 0.1
+"""Share of the usual interval by which intervals may differ without a word."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Quiet ``stretches`` of samples (n, 3) of each sensor, SI, taken every ``period`` s; ``seconds`` is the file's
+    length."""
+
+    source: str
+    period: float
+    seconds: float
+    stretches: Mapping[Sensor, list[np.ndarray]]
+    sentences: tuple[str, ...]
+
+
+def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> Recording:
+    """Read a table; ``columns`` and ``units`` are those of time, rate and specific_force where they are not usual."""
+    file = read(path)
+    _check_names(columns, units)
+    time = _column(file, *_named(file, TIME, columns, 1), units.get(TIME), "s", TIME)
+    given = {sensor: _triad(file, sensor, columns, units) for sensor in SENSORS}
+    samples = {sensor: values for sensor, values in given.items() if values is not None}
+    if not samples:
+        raise NavfmuError(
+            f"{file.path}: has no sensor's columns; expected rate_x, rate_y, rate_z or specific_force_x, _y, _z, or "
+            "others by --column, as in --column rate=gx,gy,gz"
+        )
+    interval = np.diff(time)
+    if len(time) < FEWEST or not np.all(interval > 0.0):
+        at = int(np.argmax(interval <= 0.0)) + 1 if len(interval) else 0
+        what = "time does not increase" if len(time) >= FEWEST else f"has {len(time)} rows only"
+        raise NavfmuError(f"{file.path}, {file.row(at)}: {what}; expected samples one after the other")
+    period = _regular(interval)
+    parts = _pieces(np.hstack(list(samples.values())), interval, period)
+    if not parts:
+        raise NavfmuError(
+            f"{file.path}: nothing is at rest for {SHORTEST} s without a gap in these {time[-1] - time[0]:.0f} s; "
+            "expected a unit that lies still, for hours if slow errors are to be seen"
+        )
+    stretches = {sensor: [values[part] for part in parts] for sensor, values in samples.items()}
+    for sensor, taken in stretches.items():
+        _check_plausible(file, sensor, taken)
+    return Recording(
+        file.path, period, float(time[-1] - time[0]), stretches, tuple(_sentences(file, time, period, parts, stretches))
+    )
+
+
+def _check_names(columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> None:
+    known = [TIME, *(sensor.quantity for sensor in SENSORS)]
+    for option, given in (("--column", columns), ("--unit", units)):
+        for name in given:
+            if name not in known:
+                raise NavfmuError(
+                    f"{option} {name}: there is no such quantity; expected {', '.join(known)}{nearest(name, known)}"
+                )
+
+
+def _named(file: File, name: str, columns: Mapping[str, tuple[str, ...]], count: int) -> tuple[str, ...]:
+    usual = (name,) if count == 1 else tuple(f"{name}_{axis}" for axis in "xyz")
+    named = columns.get(name, usual)
+    if len(named) != count:
+        raise NavfmuError(f"--column {name}: {len(named)} columns are named; expected {count}")
+    for column in named:
+        if column not in file.names:
+            raise NavfmuError(
+                f"{file.path}: has no column '{column}' for {name}; it has {', '.join(file.names[:20])}"
+                f"{nearest(column, file.names)}"
+            )
+    return named
+
+
+def _triad(file: File, sensor: Sensor, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]):
+    name = sensor.quantity
+    if name not in columns and not any(f"{name}_{axis}" in file.names for axis in "xyz"):
+        return None
+    named = _named(file, name, columns, 3)
+    return np.stack([_column(file, column, units.get(name), sensor.unit, name) for column in named], axis=1)
+
+
+def _column(file: File, column: str, asked: str | None, unit: str, name: str) -> np.ndarray:
+    values = file.numbers(column)
+    if not np.all(np.isfinite(values)):
+        at = int(np.argmin(np.isfinite(values)))
+        raise NavfmuError(f"{file.path}, {file.row(at)}: '{column}' has no number; expected one in every row")
+    factor, offset = scale(asked or file.units.get(column, unit), unit, f"{file.path}: {name}")
+    return factor * values + offset
+
+
+def _regular(interval: np.ndarray) -> float:
+    """The mean of intervals that are no gaps, s: stamps may be coarse or late."""
+    usual = interval[interval <= GAP * np.median(interval)]
+    return float(np.format_float_positional(np.mean(usual), 5, fractional=False))
+
+
+def _pieces(samples: np.ndarray, interval: np.ndarray, period: float) -> list[slice]:
+    edges = [0, *(np.flatnonzero(interval > GAP * np.median(interval)) + 1).tolist(), len(samples)]
+    return [
+        slice(first + part.start, first + part.stop)
+        for first, last in pairwise(edges)
+        for part in quiet(samples[first:last], period)
+    ]
+
+
+def _check_plausible(file: File, sensor: Sensor, stretches: list[np.ndarray]) -> None:
+    low, high = sensor.plausible
+    size = float(np.linalg.norm(np.mean(np.vstack(stretches), axis=0)))
+    if not low <= size <= high:
+        raise NavfmuError(
+            f"{file.path}: {sensor.quantity} at rest is {size:.4g} {sensor.unit}; expected {low:g} to {high:g}; name "
+            f"the unit of the file, as in --unit {sensor.quantity}={'deg/s' if sensor.unit == 'rad/s' else 'g'}"
+        )
+    for axis, values in zip("xyz", np.vstack(stretches).T, strict=True):
+        if len(np.unique(values)) < STEPS:
+            raise NavfmuError(
+                f"{file.path}: {sensor.quantity} {axis} has {len(np.unique(values))} values only at rest; expected "
+                f"noise of {STEPS} at least: the chart would show the steps of the resolution"
+            )
+
+
+def _sentences(file: File, time: np.ndarray, period: float, parts: list[slice], stretches) -> list[str]:
+    rest = [(part.stop - part.start) * period for part in parts]
+    many = f"in {len(rest)} stretches of {min(rest):.0f} to {max(rest):.0f} s" if len(rest) > 1 else "in one stretch"
+    found = [*file.told, f"{sum(rest):.0f} s at rest of {time[-1] - time[0]:.0f} s, {many}, at {1.0 / period:.6g} Hz"]
+    interval = np.diff(time)
+    usual = interval[interval <= GAP * np.median(interval)]
+    off = float(np.mean(np.abs(usual / period - 1.0) > IRREGULAR))
+    if off > 0.01:
+        found.append(f"{100.0 * off:.0f} % of the intervals differ by more than a tenth; they are taken for equal ones")
+    missing = [sensor.quantity for sensor in SENSORS if sensor not in stretches]
+    return found + [f"{name}: not in the file" for name in missing]
