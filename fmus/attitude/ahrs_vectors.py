@@ -23,9 +23,10 @@ class AhrsVectors(Component):
     kept: errors do not grow, and nothing is learned or averaged. It is what an attitude filter is compared with, and
     can take its place in a system: inputs and the bundle `attitude` are those of `ahrs`.
 
-    *Acceleration* is what airspeed and rate say, V' along the nose and w x (V, 0, 0). Without air data (not connected,
-    not valid, older than `air_timeout`) the last airspeed is kept, at first `airspeed`, without V', and the error of
-    the tilt is `blind_tilt_sigma`.
+    *Acceleration* is what airspeed and rate say, V' along the nose and w x (V, 0, 0). V' is the airspeed less the same
+    through a lag of `speeding_time`, over that time, since gusts along change the airspeed and not the motion. Without
+    air data (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first `airspeed`,
+    without V', and the error of the tilt is `blind_tilt_sigma`.
 
     *Start.* With `level_start` the iteration begins with the attitude of level and needle, (4.8), (4.9), (2.3).
     Otherwise it begins at (1, 0, 0, 0) as in the thesis; attitudes close to half a turn from there are then not found
@@ -88,10 +89,23 @@ class AhrsVectors(Component):
         display_unit="deg",
         description="error of the direction of a field sample, each component: noise, soft and hard iron",
     )
-    tilt_sigma = Ahrs.tilt_sigma
+    tilt_sigma = Parameter(
+        "rad",
+        start=np.radians(2.0),
+        min=1.0e-6,
+        display_unit="deg",
+        description="error of the direction of gravity by one sample with air data, each component: 1.5 deg in the "
+        "backup navigator's flight",
+    )
     blind_tilt_sigma = Ahrs.blind_tilt_sigma
     airspeed = Ahrs.airspeed
     air_timeout = Ahrs.air_timeout
+    speeding_time = Parameter(
+        "s",
+        start=10.0,
+        min=0.01,
+        description="lag against which the airspeed's change is seen: what is faster is taken for gusts along",
+    )
 
     attitude = Ahrs.attitude
     misfit = Output(
@@ -106,7 +120,7 @@ class AhrsVectors(Component):
     dip = Output("rad", display_unit="deg", description="dip of the field in use, positive down")
 
     airspeed_seen = Ahrs.airspeed_seen
-    speeding = State("m/s2", description="change of the airspeed between its last two samples")
+    airspeed_slow = State("m/s", description="airspeed through a lag of speeding_time")
     air_time = State("s", start=-1.0e9, description="time of validity of the last airspeed")
     charted = Ahrs.charted
     chart_sigma = Ahrs.chart_sigma
@@ -137,16 +151,17 @@ class AhrsVectors(Component):
     @on_new("air")
     def take_air(self):
         since = self.air.time_of_validity - self.air_time
-        again = self.air.valid & (since > 1.0e-6) & (since <= self.air_timeout + 1.0e-6)
-        changed = (self.air.true_airspeed - self.airspeed_seen) / np.where(again, since, 1.0)
-        self.speeding = np.where(again, changed, 0.0)
+        share = np.where(since <= self.air_timeout + 1.0e-6, -np.expm1(-since / self.speeding_time), 1.0)
+        slow = self.airspeed_slow + share * (self.air.true_airspeed - self.airspeed_slow)
+        self.airspeed_slow = np.where(self.air.valid, slow, self.airspeed_slow)
         self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
         self.air_time = np.where(self.air.valid, self.air.time_of_validity, self.air_time)
 
     @on_new("field")
     def match(self):
         fresh = self.time - self.air_time <= self.air_timeout + 1.0e-6
-        along = np.stack([np.where(fresh, self.speeding, 0.0), 0.0, 0.0])
+        speeding = (self.airspeed_seen - self.airspeed_slow) / self.speeding_time
+        along = np.stack([np.where(fresh, speeding, 0.0), 0.0, 0.0])
         acceleration = along + ahrs.turning_acceleration(self.airspeed_seen, self.imu.rate)
         minus_g = self.imu.specific_force - acceleration
         strength, weight = ahrs.length(self.field.field_b), ahrs.length(minus_g)
@@ -163,13 +178,13 @@ class AhrsVectors(Component):
 
         c_nb = quaternion.dcm(q)
         roll, pitch, heading = attitude.euler(c_nb)
-        information, apart = vectors.spread(known, weights)
+        information = vectors.spread(known, weights)
         uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
         still = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
         squares = vectors.variances(information, c_nb, roll, pitch) + still**2
         known_well = (np.min(squares) >= 0.0) & (np.max(squares) < np.pi * np.pi)
         seen = self.imu.valid & self.field.valid & (strength > 1.0e-12) & (weight > 1.0e-9)
-        found = seen & apart & known_well & vectors.spread(measured, weights)[1]
+        found = seen & known_well & vectors.apart(known) & vectors.apart(measured)
         yaw_rate = attitude.euler_rates(self.imu.rate, roll, pitch)[2]
         angles = np.stack([roll, pitch, attitude.wrap(heading), yaw_rate, *np.sqrt(np.maximum(squares, 0.0))])
         roll, pitch, heading, yaw_rate, *deviations = np.where(found, angles, 0.0)

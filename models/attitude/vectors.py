@@ -16,7 +16,7 @@ H has u_n and not û_n, as (4.31) is printed: it is the same in all iterations, 
 iteration stands still, the sum of w û x u is zero, which is so at the minimum of Wahba's sum, too: the attitude is the
 optimal one, not an approximation to it.
 
-Where it cannot work: vectors along one line (:func:`spread` is singular), and a start that is wrong by half a turn,
+Where it cannot work: vectors along one line (:func:`apart`), and a start that is wrong by half a turn,
 where û x u is zero, too. Close to it, by 0.1 degrees or so with the 100 iterations and the gain 0.1 of the thesis, the
 start is left, but too slowly.
 """
@@ -28,9 +28,8 @@ import numpy as np
 from models.attitude import attitude, quaternion
 from navfmu.repetition import repeat
 
-ALONG = 1.0e-6
-"""Determinant of the information over its trace (1) below which vectors are along one line: two of equal weight that
-are 0.3 degrees apart."""
+ALONG = 5.0e-3
+"""Sine of the angle, 0.3 degrees, below which two vectors are along one line (own choice)."""
 
 
 def rows(reference_n):
@@ -38,25 +37,24 @@ def rows(reference_n):
     return -2.0 * attitude.skew(reference_n)
 
 
+def apart(pair):
+    """Whether two unit vectors, shape (2, 3), are not along one line."""
+    return _across(*pair) > ALONG
+
+
 def spread(references_n, weights):
-    """H' W H / 4 (rad^-2), the information on the rotation vector in n, and whether it tells all of it.
+    """H' W H / 4, the information (rad^-2) on the rotation vector in n, shape (3, 3).
 
     Parameters
     ----------
     references_n
-        Unit vectors, shape (N, 3).
+        Unit vectors, shape (2, 3). Where they are along one line, the identity is returned.
     weights
-        One over the square of the error of each direction, rad^-2, shape (N,).
-
-    Returns
-    -------
-    Shape (3, 3), the identity where vectors are along one line; and whether they are not.
+        One over the square of the error of each direction, rad^-2, shape (2,).
     """
     observed = [rows(vector) for vector in references_n]
     total = sum(0.25 * w * h.T @ h for w, h in zip(weights, observed, strict=True))
-    size = np.trace(total)
-    found = np.linalg.det(total / np.where(size > 0.0, size, 1.0)) > ALONG
-    return np.where(found, total, np.eye(3)), found
+    return np.where(apart(references_n), total, np.eye(3))
 
 
 def matched(references_n, measured_b, weights, start, gain, iterations, most):
@@ -65,7 +63,7 @@ def matched(references_n, measured_b, weights, start, gain, iterations, most):
     Parameters
     ----------
     references_n, measured_b, weights
-        Unit vectors in n and in b, shape (N, 3), and weights as in :func:`spread`.
+        Unit vectors in n and in b, shape (2, 3), and weights as in :func:`spread`.
     start
         Quaternion to begin with; (1, 0, 0, 0) in the thesis.
     gain
@@ -75,8 +73,7 @@ def matched(references_n, measured_b, weights, start, gain, iterations, most):
     """
     h = np.concatenate([rows(vector) for vector in references_n])
     weighted = h.T * np.repeat(weights, 3)
-    information, _ = spread(references_n, weights)
-    pseudo_inverse = np.linalg.inv(4.0 * information) @ weighted
+    pseudo_inverse = np.linalg.inv(4.0 * spread(references_n, weights)) @ weighted
 
     def closer(q):
         found_n = measured_b @ quaternion.dcm(q).T
@@ -111,5 +108,9 @@ def residual(references_n, measured_b, c_nb):
 
 
 def _between(u, v):
+    return np.arctan2(_across(u, v), np.sum(u * v))
+
+
+def _across(u, v):
     across = np.cross(u, v)
-    return np.arctan2(np.sqrt(np.sum(across * across)), np.sum(u * v))
+    return np.sqrt(np.sum(across * across))

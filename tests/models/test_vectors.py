@@ -208,6 +208,25 @@ def test_in_a_coordinated_turn_the_airspeed_gives_the_bank(native):
     assert run["attitude.yaw_rate"][1] == pytest.approx(rate, rel=1e-3)
 
 
+def test_a_take_off_is_no_climb_once_the_lag_has_followed(native):
+    """0.5 m/s2 along the nose are 2.9 deg of pitch, of which e^(-t / 10 s) is left. Without V' all of it stays; with V'
+    from sample to sample nothing does, but all gusts come in.
+    """
+    gained = 0.5
+
+    def inputs(time):
+        k = round(time) + 1
+        values = still(0.0, **{"imu.specific_force": np.array([gained, 0.0, -G])})(time)
+        values |= {f"{bundle}.sequence": k for bundle in ("imu", "field", "air")}
+        values |= {f"{bundle}.time_of_validity": time for bundle in ("imu", "field", "air")}
+        return values | {"air.true_airspeed": 20.0 + gained * time}
+
+    run = native.run(30.0, 1.0, RECORD, THESIS | {"tilt_sigma": 1e-4, "field_sigma": 0.1}, inputs)
+    lag = 1.0 - np.exp(-0.1)  # of a ramp that is sampled each second and held
+    left = gained * (1.0 - 0.1 * (1.0 - np.exp(-0.1 * (run["time"][1:] - 1.0))) * (1.0 - lag) / lag)
+    np.testing.assert_allclose(run["attitude.pitch"][1:], np.arctan(left / G), atol=1e-4)
+
+
 @pytest.mark.parametrize(
     "what, changed, parameters",
     [
