@@ -88,6 +88,15 @@ def test_the_correlation_time_is_held_by_its_interval():
     assert inside >= fewest(20, CONFIDENCE)
 
 
+def test_a_random_walk_is_no_process_of_some_time_constant():
+    """Of 40 seeds. Wrong: a correlation time for nothing; at one price for every term 4 of 60 were such a process."""
+    others = 0
+    for seed in range(SEEDS):
+        rng = np.random.default_rng(2000 + seed)
+        others += found(made.white(rng) + made.walk(rng, 0.01)).terms != (WHITE, RANDOM_WALK)
+    assert others <= stats.binom.isf(RARE, SEEDS, (len(TERMS) - 2) * CHANCE)
+
+
 def test_a_process_much_slower_than_the_recording_is_a_random_walk():
     """Section 3.3.1: the two cannot be told apart there. K = sigma sqrt(2 / tau)."""
     rng = np.random.default_rng(3)

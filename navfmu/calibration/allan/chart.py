@@ -16,13 +16,15 @@ class Chart:
     """Allan variances of the axes of a sensor.
 
     ``time`` (levels,) s, each twice the one before, from the sampling ``period`` on; ``variance`` (levels, axes), of
-    overlapping averages; ``pairs`` (levels,), how many pairs of averages there are that do not overlap.
+    overlapping averages; ``pairs`` (levels,), how many pairs of averages there are that do not overlap, ``count``
+    (levels,) of those that do.
     """
 
     period: float
     time: np.ndarray
     variance: np.ndarray
     pairs: np.ndarray
+    count: np.ndarray
 
     @property
     def deviation(self) -> np.ndarray:
@@ -37,7 +39,7 @@ class Chart:
     def beyond(self, shortest: float) -> Chart:
         """The part at averaging times of ``shortest`` s and more."""
         kept = self.time >= shortest * (1.0 - 1e-9)
-        return Chart(self.period, self.time[kept], self.variance[kept], self.pairs[kept])
+        return Chart(self.period, self.time[kept], self.variance[kept], self.pairs[kept], self.count[kept])
 
 
 def chart(stretches: Sequence[np.ndarray], period: float) -> Chart:
@@ -50,7 +52,6 @@ def chart(stretches: Sequence[np.ndarray], period: float) -> Chart:
         for angle in sums:
             second = angle[2 * span :] - 2.0 * angle[span : len(angle) - span] + angle[: max(0, len(angle) - 2 * span)]
             total, count = total + np.sum(second**2, axis=0), count + len(second)
-        rows.append((span * period, total / (2.0 * span**2 * count), pairs))
+        rows.append((span * period, total / (2.0 * span**2 * count), pairs, count))
         span *= 2
-    time, variance, pairs = zip(*rows, strict=True)
-    return Chart(period, np.array(time), np.array(variance), np.array(pairs))
+    return Chart(period, *map(np.array, zip(*rows, strict=True)))

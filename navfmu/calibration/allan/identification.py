@@ -23,7 +23,8 @@ import numpy as np
 from scipy import optimize, stats
 
 from navfmu.calibration.allan.chart import Chart
-from navfmu.calibration.allan.terms import GAUSS_MARKOV, TERMS, Term
+from navfmu.calibration.allan.scatter import covariance, frequencies
+from navfmu.calibration.allan.terms import GAUSS_MARKOV, RAMP, TERMS, Term
 
 CHANCE = 1e-3
 """Probability of a term that is not there, at most."""
@@ -146,7 +147,11 @@ def _scored(pairs: np.ndarray, shapes: np.ndarray, variance: np.ndarray) -> np.n
 
 
 def _with_intervals(chart: Chart, terms: tuple[Term, ...], tau: float) -> Identification:
-    """Intervals of the logarithms, by Fisher's information of all coefficients and the correlation time together."""
+    """Intervals of the logarithms of all coefficients and the correlation time together.
+
+    By the information I of L and the covariance J of its slope, I^-1 J I^-1: L takes averaging times for independent
+    and averages for such as do not overlap, J has them as they are.
+    """
     shapes, timed = _shapes(terms, chart.time, tau), GAUSS_MARKOV in terms
     squares = _squares(chart, shapes)
     model = shapes @ squares
@@ -159,7 +164,14 @@ def _with_intervals(chart: Chart, terms: tuple[Term, ...], tau: float) -> Identi
         by_tau = (_gauss_markov(chart, tau, step) - _gauss_markov(chart, tau, -step)) / (2.0 * step)
         slopes[:, :, -1] = by_tau[:, None] * squares[terms.index(GAUSS_MARKOV)] / model
     information = 0.5 * np.einsum("tai,t,taj->ij", slopes, chart.pairs, slopes)
-    sigma = np.sqrt(np.diag(np.linalg.pinv(information)))
+    frequency, _ = frequencies(chart)
+    spectra = np.stack([term.spectrum(frequency, chart.period, tau) for term in terms], axis=1) @ squares
+    still = shapes * [term is RAMP for term in terms] @ squares
+    scores, inverse = np.zeros_like(information), np.linalg.pinv(information)
+    for axis in range(squares.shape[1]):
+        pull = 0.5 * chart.pairs[:, None] * slopes[:, axis]
+        scores += pull.T @ covariance(chart, spectra[:, axis], model[:, axis], still[:, axis]) @ pull
+    sigma = np.sqrt(np.diag(inverse @ scores @ inverse))
     factor = np.exp(np.minimum(stats.norm.isf(0.5 * (1.0 - CONFIDENCE)) * sigma, np.log(1e6)))
     coefficients, factors = np.sqrt(squares), np.full(squares.shape, np.nan)
     for (i, axis), one in zip(there, factor, strict=False):

@@ -17,13 +17,16 @@ _SERIES = [(-1.0) ** k * (4.0 - 2.0**k) / factorial(k) for k in range(3, 12)]
 class Term:
     """``variance(time, correlation_time)`` is the Allan variance of a term whose coefficient is 1, s and s.
 
-    ``slope`` is that of the deviation in a chart with logarithmic axes, ``symbol`` the coefficient.
+    ``spectrum(frequency, period, correlation_time)`` is that of samples taken every ``period`` s, over the frequency in
+    cycles a sample, on both sides of 0; a ramp has none. ``slope`` is that of the deviation in a chart with logarithmic
+    axes, ``symbol`` the coefficient.
     """
 
     name: str
     symbol: str
     slope: float
     variance: Callable[[np.ndarray, float], np.ndarray]
+    spectrum: Callable[[np.ndarray, float, float], np.ndarray]
     timed: bool = False
 
     def __str__(self) -> str:
@@ -40,14 +43,33 @@ def gauss_markov(time: np.ndarray, correlation_time: float) -> np.ndarray:
     return np.where(x < EARLY, series, closed)
 
 
-QUANTISATION = Term("quantisation", "Q", -1.0, lambda time, _: 3.0 / time**2)
+def _markov_spectrum(frequency: np.ndarray, period: float, correlation_time: float) -> np.ndarray:
+    phi = np.exp(-period / correlation_time)
+    return -np.expm1(-2.0 * period / correlation_time) / ((1.0 - phi) ** 2 + 4.0 * phi * _half(frequency))
+
+
+def _half(frequency: np.ndarray) -> np.ndarray:
+    return np.sin(np.pi * frequency) ** 2
+
+
+QUANTISATION = Term(
+    "quantisation", "Q", -1.0, lambda time, _: 3.0 / time**2, lambda f, period, _: 4.0 * _half(f) / period**2
+)
 """Whole pulses of an angle; Q is the size of one over sqrt(12)."""
-WHITE = Term("white noise", "N", -0.5, lambda time, _: 1.0 / time)
+WHITE = Term("white noise", "N", -0.5, lambda time, _: 1.0 / time, lambda f, period, _: np.ones_like(f) / period)
 """Angle random walk N per root second, N = sigma_w / sqrt(f_s) of thesis (B.10)."""
-FLICKER = Term("flicker", "B", 0.0, lambda time, _: 2.0 * np.log(2.0) / np.pi * np.ones_like(time))
+FLICKER = Term(
+    "flicker",
+    "B",
+    0.0,
+    lambda time, _: 2.0 * np.log(2.0) / np.pi * np.ones_like(time),
+    lambda f, period, _: 0.5 / (np.pi * f),
+)
 """Bias instability; the floor is 0.664 B."""
-RANDOM_WALK = Term("rate random walk", "K", 0.5, lambda time, _: time / 3.0)
-RAMP = Term("ramp", "R", 1.0, lambda time, _: 0.5 * time**2)
-GAUSS_MARKOV = Term("Gauss-Markov", "sigma", 0.5, gauss_markov, timed=True)
+RANDOM_WALK = Term(
+    "rate random walk", "K", 0.5, lambda time, _: time / 3.0, lambda f, period, _: 0.25 * period / _half(f)
+)
+RAMP = Term("ramp", "R", 1.0, lambda time, _: 0.5 * time**2, lambda f, period, _: np.zeros_like(f))
+GAUSS_MARKOV = Term("Gauss-Markov", "sigma", 0.5, gauss_markov, _markov_spectrum, timed=True)
 """Of a time constant; its slope is +1/2 where it is young, T far below the time constant."""
 TERMS = (QUANTISATION, WHITE, FLICKER, RANDOM_WALK, RAMP, GAUSS_MARKOV)
