@@ -1,0 +1,354 @@
+"""The FMU ``ahrs_quaternion``: attitude and heading by a quaternion filter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fmus import examples
+from fmus.attitude.interface import Reference
+from models.attitude import ahrs_quaternion as filter_
+from models.attitude import attitude, quaternion
+from models.attitude.ahrs import declination_at, length, level, levelled_heading, turning_acceleration, unseen
+from models.filters import kalman
+from models.magnetic import magnetic_field
+from navfmu.constants import STANDARD_GRAVITY
+from navfmu.export import Component, Example, Parameter, ParameterSet, State, every, on_new, require, start
+
+HAND = ParameterSet(
+    "A sensor of a few grams that is held by hand and stays where it is, with a magnetometer that is calibrated, "
+    "indoors (own choice; of the recordings of BROAD it gives the errors that stand in the documentation).",
+    {
+        "aiding_period": 0.07,
+        "airspeed": 0.0,
+        "blind_airspeed_sigma": 0.0,
+        "flow_sigma": 0.0,
+        "velocity_density": 0.1,
+        "place_density": 0.1,
+        "velocity_walk": 0.02,
+        "gyro_noise": 0.0025,
+        "noise_period": 1.0,
+        "alpha": 1.0,
+        "gyro_scale_sigma": 0.001,
+        "turn_time": 1.0,
+        "gyro_null_shift_sigma": 0.0015,
+        "gyro_drift_sigma": 0.0,
+        "field_sigma": 0.1,
+        "field_limit": 2.0,
+        "hard_iron_sigma": 0.005,
+        "hard_iron_walk": 0.0003,
+        "dip_sigma": 0.005,
+        "dip_walk": 0.0,
+        "initial_sigma": 0.02,
+    },
+)
+
+SETS = {"hand": HAND}
+
+
+class AhrsQuaternion(Reference, Component):
+    """Attitude and heading reference without a singular attitude, for aircraft and for what is held by hand.
+
+    With every IMU sample the quaternion is turned by the rates less their estimated biases, exactly for a rate that is
+    constant between samples, and the specific force, turned into n, is integrated. Every `aiding_period` a Kalman
+    filter with twenty states, errors of attitude (a small rotation in n), velocity, place, gyro biases, hard iron, dip
+    and strength of the field, and flow, takes
+
+    - the velocity: what was integrated must be the airspeed, along the nose, but for slip and angle of attack
+      (`flow_sigma`, m/s, for `flow_time`), in air whose velocity is a random walk of `velocity_walk`. So acceleration,
+      in a turn or not, is none of the level. For a sensor held by hand the airspeed is 0;
+    - the place, where `place_density` is not 0: it stays where it is;
+    - the magnetic field as a vector, strength and all; what is beyond `field_limit` sigma, as near a magnet, with a
+      noise as large as itself which lasts for `disturbance_time`.
+
+    *Without air data* (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first
+    `airspeed`, and its error grows to `blind_airspeed_sigma`.
+
+    GPS attitude, declination, and what is added to the published sigmas are those of `ahrs`, whose place it can take.
+    The parameter set `hand` is that of a sensor which is held by hand, and the defaults are those of an aircraft.
+
+    At the first aiding with field and specific force the attitude is set from these; until then `attitude.valid` is
+    false.
+    """
+
+    tick = "sample_period"
+    parameter_sets = SETS
+    example = Example(
+        {"sample_period": 0.05},
+        text="A full circle at 3 deg/s in level flight (60 to 184 s), with gyros that are wrong by 0.15 deg/s in roll "
+        "and -0.1 deg/s in yaw. The angles follow the truth (dashed), the biases of the gyros are learned.",
+        duration=300.0,
+        step=0.05,
+        inputs=examples.ahrs_inputs,
+        shows=("gyro_bias", "attitude.heading_sigma"),
+        panels=examples.ahrs_panels,
+    )
+
+    noise_period = Parameter(
+        "s", start=0.0, min=0.0, description="period of the samples that gyro_noise is that of; 0: sample_period"
+    )
+    turn_time = Parameter("s", start=60.0, min=0.0, description="time for which a rate lasts in one direction")
+    velocity_walk = Parameter(
+        "m/s",
+        start=0.35,
+        min=0.0,
+        description="random walk, in one second, of the velocity of what carries the sensor: a wind of 5 m/s and 400 s "
+        "(thesis (3.36)) has 0.35 m/s",
+    )
+    velocity_density = Parameter(
+        "m/s", start=1.0, min=1.0e-6, description="white noise of the airspeed, mean over one second (own choice)"
+    )
+    place_density = Parameter(
+        "m", start=0.0, min=0.0, description="white noise of the place, mean over one second; 0: it moves away"
+    )
+    flow_sigma = Parameter(
+        "m/s",
+        start=1.5,
+        min=0.0,
+        description="velocity of the air across the nose: slip and angle of attack (own choice)",
+    )
+    flow_time = Parameter("s", start=5.0, min=1.0e-3, description="time for which these last (own choice)")
+    field_limit = Parameter("1", start=3.0, min=1.0, description="sigmas beyond which a field is disturbed")
+    disturbance_time = Parameter(
+        "s", start=20.0, min=0.0, description="time for which a disturbance lasts (own choice)"
+    )
+    hard_iron_walk = Parameter(
+        "1",
+        start=0.0,
+        min=0.0,
+        description="random walk, in one second, of the hard iron (over the field)",
+    )
+
+    turn = State(4, "1", start=(1, 0, 0, 0), description="quaternion of C_nb")
+    velocity = State(3, "m/s", description="velocity with respect to what carries the sensor, n")
+    place = State(3, "m", description="way in it, n")
+    flow = State(3, "m/s", description="error of the airspeed, slip and angle of attack, b")
+    strength = State("1", description="strength of the field over that at first, less 1")
+    first_strength = State("T", start=1.0, description="strength at first")
+    covariance = State(210, "1", description="upper triangle of the filter's covariance, row by row")
+    sigmas = State(3, "rad", display_unit="deg", description="standard deviations of roll, pitch and heading")
+    rate = State(3, "rad/s", description="last rate less bias")
+    force = State(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="last specific force")
+    imu_time = State("s", description="time of validity of the last IMU sample")
+    since = State("s", description="time that is summed since the last aiding")
+    force_sum = State(3, "m/s", description="integral of the specific force in n")
+    felt_sum = State(3, "m/s", description="integral of the specific force in b")
+    turned_sum = State(3, "rad", description="integral of the rate in b")
+    dcm_sum = State((3, 3), "s", description="integral of C_nb")
+    square_sum = State(3, "1", description="integral of the squares of the rates in n, rad^2/s")
+    airspeed_seen = State("m/s", description="last airspeed of the instrument")
+    had_air = State(kind="boolean", description="there were air data at the last aiding")
+    field_seen = State(kind="integer", description="sequence number of the last field used")
+    gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
+    gps_time = State("s", start=-1.0e9, description="when it was used")
+    aligned = State(kind="boolean", description="initial alignment has been done")
+    charted = State(kind="boolean", description="the declination is that of a known position")
+    chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
+
+    @require(
+        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
+        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
+    )
+    def model_is_valid(self):
+        return magnetic_field.known(self.date)
+
+    @start
+    def assume(self):
+        self.airspeed_seen = self.airspeed
+        self.local_declination = self.declination
+
+    @on_new("air")
+    def take_air(self):
+        self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
+
+    @on_new("imu")
+    def integrate(self):
+        step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
+        rate = self.imu.rate - self.gyro_bias
+        mean = 0.5 * (rate + self.rate)
+        felt = 0.5 * (self.imu.specific_force + self.force) * step
+        middle = quaternion.dcm(quaternion.product(self.turn, quaternion.of_rotation(0.5 * step * mean)))
+        self.turn = quaternion.unit(quaternion.product(self.turn, quaternion.of_rotation(step * mean)))
+        self.force_sum = self.force_sum + middle @ felt
+        self.felt_sum = self.felt_sum + felt
+        self.turned_sum = self.turned_sum + step * mean
+        self.dcm_sum = self.dcm_sum + step * middle
+        self.square_sum = self.square_sum + step * (middle @ mean) ** 2
+        self.since = self.since + step
+        self.rate = rate
+        self.force = self.imu.specific_force
+        self.imu_time = self.imu.time_of_validity
+        roll, pitch, heading = attitude.euler(quaternion.dcm(self.turn))
+        self.attitude.publish(
+            roll=roll,
+            pitch=pitch,
+            heading=attitude.wrap(heading),
+            yaw_rate=(rate[1] * np.sin(roll) + rate[2] * np.cos(roll)) / np.maximum(np.cos(pitch), 1.0e-6),
+            roll_sigma=self.sigmas[0],
+            pitch_sigma=self.sigmas[1],
+            heading_sigma=self.sigmas[2],
+            valid=np.logical_and(self.aligned, self.imu.valid),
+            time_of_validity=self.imu.time_of_validity,
+        )
+
+    @every("chart_period")
+    def look_up(self):
+        here = self.position
+        field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
+        charted = magnetic_field.declination(field_n)
+        found = here.valid & np.logical_not(self.charted)
+        by = np.where(found, attitude.wrap(charted - self.local_declination), 0.0)
+        turn = quaternion.of_rotation(by * np.array([0.0, 0.0, 1.0]))
+        self.turn = quaternion.product(turn, self.turn)
+        self.velocity = quaternion.dcm(turn) @ self.velocity
+        self.force_sum = quaternion.dcm(turn) @ self.force_sum
+        self.local_declination = np.where(here.valid, charted, self.local_declination)
+        self.chart_sigma = magnetic_field.declination_sigma(field_n, self.date)
+        self.charted = here.valid
+
+    @every("aiding_period")
+    def aid(self):
+        time = self.since
+        felt = time > 1.0e-6
+        over = np.where(felt, time, 1.0)
+        rate = self.turned_sum / over
+        air_sigmas = self.flow_sigma * np.ones(2)
+
+        fresh = self.air.valid & (self.time - self.air.time_of_validity <= self.air_timeout + 1.0e-6)
+        back = fresh & np.logical_not(self.had_air)
+        airspeed_sigma = np.where(fresh, self.air.true_airspeed_sigma, self.blind_airspeed_sigma)
+        flow_sigmas = np.concatenate([np.reshape(airspeed_sigma, (1,)), air_sigmas])
+
+        # initial alignment
+        due = self.field.time_of_validity <= self.time + 1.0e-6
+        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
+        strength = np.maximum(length(self.field.field_b), 1.0e-9)
+        align = np.logical_not(self.aligned) & felt & new_field
+        turning = turning_acceleration(np.where(fresh, self.airspeed_seen, 0.0), rate)
+        roll, pitch = level(self.felt_sum / over, turning)
+        magnetic, down = levelled_heading(self.field.field_b / strength, roll, pitch)
+        found = quaternion.of_euler(roll, pitch, magnetic + self.local_declination)
+        turn = np.where(align, found, self.turn)
+        first_strength = np.where(align, strength, self.first_strength)
+        nose = np.array([1.0, 0.0, 0.0]) * self.airspeed_seen
+        at_first = quaternion.dcm(turn) @ nose
+        dip = np.where(align, np.arcsin(np.clip(down, -1.0, 1.0)), self.dip)
+        initial = filter_.initial_covariance(
+            turn,
+            at_first,
+            self.initial_sigma,
+            np.sqrt(self.gyro_null_shift_sigma**2 + self.gyro_drift_sigma**2),
+            self.dip_sigma,
+            self.hard_iron_sigma,
+            flow_sigmas,
+        )
+
+        # time update
+        placed = self.place_density > 0.0
+        moved, gone = filter_.carried(self.velocity, self.place, self.force_sum, time)
+        velocity = np.where(align, at_first, moved)
+        place = np.where(align | np.logical_not(placed), np.zeros(3), gone)
+        times = np.stack([self.airspeed_time, self.flow_time, self.flow_time])
+        decay = np.exp(-time / times)
+        flow = np.where(back, np.array([0.0, 1.0, 1.0]), 1.0) * decay * self.flow
+        period = np.where(self.noise_period > 0.0, self.noise_period, self.sample_period)
+        noise = filter_.process_noise(
+            (self.alpha * self.gyro_noise) ** 2 * period,
+            self.gyro_scale_sigma,
+            self.square_sum * self.turn_time,
+            self.velocity_walk,
+            2.0 * self.gyro_drift_sigma**2 / self.gyro_drift_time,
+            self.hard_iron_walk,
+            self.dip_walk,
+            flow_sigmas**2 * (1.0 - decay * decay),
+            time,
+        )
+        propagated = kalman.propagate(
+            filter_.renewed(self.covariance, airspeed_sigma**2, back),
+            filter_.transition(self.dcm_sum / over, self.force_sum, time, np.where(placed, 1.0, 0.0)),
+            np.concatenate([np.ones(filter_.FLOW.start - filter_.MOVING), decay]),
+            noise,
+        )
+        covariance = np.where(align, initial, propagated)
+
+        # measurement update: velocity and place
+        use = felt & self.aligned
+        expected, matrix = filter_.rows(filter_.flow_seen, turn, velocity, flow)
+        correction, covariance = filter_.updates(
+            np.zeros(filter_.STATES), covariance, expected, matrix, nose, self.velocity_density**2 / over, use
+        )
+        correction, covariance = filter_.updates(
+            correction,
+            covariance,
+            place,
+            np.eye(filter_.STATES)[filter_.PLACE],
+            np.zeros(3),
+            self.place_density**2 / over,
+            use & placed,
+        )
+
+        # measurement update: field
+        age = np.maximum(self.time - self.field.time_of_validity, 0.0)
+        then = quaternion.product(turn, quaternion.of_rotation(-rate * age))
+        strength_then = np.where(align, 0.0, self.strength)
+        expected, matrix = filter_.rows(
+            filter_.field_seen, then, self.hard_iron, dip, strength_then, self.local_declination
+        )
+        measured = self.field.field_b / first_strength
+        left = measured - expected - matrix @ correction
+        variance = filter_.disturbed(
+            covariance, matrix, left, self.field_sigma**2, self.field_limit, self.disturbance_time / over
+        )
+        correction, covariance = filter_.updates(
+            correction,
+            covariance,
+            expected,
+            matrix,
+            measured,
+            variance,
+            new_field,
+        )
+
+        # measurement update: GPS attitude
+        told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
+        age = self.time - self.gps.time_of_validity
+        come = self.gps.valid & (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6) & np.isfinite(np.sum(told))
+        new_gps = come & (self.gps.sequence != self.gps_seen)
+        told = quaternion.of_euler(*np.where(new_gps, told, 0.0))
+        then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_gps, age, 0.0)))
+        expected, matrix = filter_.rows(filter_.turn_seen, then, told)
+        correction, covariance = filter_.updates(
+            correction, covariance, expected, matrix, np.zeros(3), self.gps_sigma**2, new_gps
+        )
+        self.gps_seen = np.where(new_gps, self.gps.sequence, self.gps_seen)
+        self.gps_time = np.where(new_gps, self.time, self.gps_time)
+
+        running = np.logical_or(self.aligned, align)
+        begin = np.logical_not(running) | np.logical_not(filter_.sound(covariance))
+        none = np.zeros(3)
+        corrected = quaternion.product(quaternion.of_rotation(correction[filter_.TURN]), turn)
+        self.aligned = np.logical_not(begin)
+        self.turn = np.where(begin, self.turn, quaternion.unit(corrected))
+        self.covariance = np.where(begin, 0.0, covariance)
+        self.velocity = np.where(begin, none, velocity + correction[filter_.VELOCITY])
+        self.place = np.where(begin, none, place + correction[filter_.PLACE])
+        self.gyro_bias = np.where(begin, none, self.gyro_bias + correction[filter_.BIAS])
+        self.rate = np.where(begin, self.imu.rate, self.rate - correction[filter_.BIAS])
+        self.hard_iron = np.where(begin, none, self.hard_iron + correction[filter_.IRON])
+        self.dip = np.where(begin, 0.0, dip + correction[filter_.DIP])
+        self.strength = np.where(begin, 0.0, strength_then + correction[filter_.STRENGTH])
+        self.flow = np.where(begin, none, flow + correction[filter_.FLOW])
+        self.first_strength = first_strength
+        self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
+        self.had_air = fresh
+        self.since = 0.0
+        self.force_sum = none
+        self.felt_sum = none
+        self.turned_sum = none
+        self.square_sum = none
+        self.dcm_sum = np.zeros((3, 3))
+
+        uncharted = declination_at(self.declination_sigma, self.dip)
+        still = unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
+        still = np.where(self.time - self.gps_time <= self.gps_timeout, 0.0, still)
+        _, pitch, heading = attitude.euler(quaternion.dcm(self.turn))
+        self.sigmas = np.sqrt(filter_.euler_sigmas(self.covariance, heading, pitch) ** 2 + still**2)

@@ -1,0 +1,253 @@
+"""The quaternion filter: its matrices against the motion itself, and the component on closed forms."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from fmus.attitude.ahrs import Ahrs
+from fmus.attitude.ahrs_quaternion import HAND, AhrsQuaternion
+from models.attitude import ahrs, ahrs_quaternion, attitude, quaternion
+from models.filters import kalman
+from navfmu.constants import STANDARD_GRAVITY
+from tests.models.native import Native
+
+RNG = np.random.default_rng(5)
+G = STANDARD_GRAVITY
+GRAVITY = np.array([0.0, 0.0, G])
+DIP, DECLINATION, STRENGTH = np.radians(61.0), np.radians(13.0), 4.8e-5
+FIELD_N = STRENGTH * ahrs.field_n(DIP, DECLINATION)
+STEP = 0.02
+NAMES = ["turn", "gyro_bias", "hard_iron", "dip", "sigmas", "velocity", "strength", "covariance"]
+
+
+@pytest.fixture(scope="module")
+def native(tmp_path_factory):
+    return Native(AhrsQuaternion, tmp_path_factory.mktemp("ahrs_quaternion"))
+
+
+def fly(native, turns, velocities, parameters=None, bias=(0, 0, 0), iron=(0, 0, 0), airspeed=None, more=None):
+    """Outputs, and the rotation in n that is left, deg, of ideal sensors on a motion.
+
+    ``turns`` are SciPy's rotations of b to n and ``velocities`` those in n, at 0, STEP, ...; rates and specific forces
+    are what takes one to the next, so they are those of the middle of a step.
+    """
+    rates = (turns[:-1].inv() * turns[1:]).as_rotvec() / STEP
+    forces = np.diff(velocities, axis=0) / STEP - GRAVITY
+    middle = turns[:-1] * Rotation.from_rotvec(0.5 * STEP * rates)
+    forces = middle.inv().apply(forces)
+    fields = turns.inv().apply(FIELD_N) + STRENGTH * np.asarray(iron)
+    # the component takes the mean of two samples: as they are, the means of the two steps at a sample
+    rates, forces = (np.concatenate([x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]]) for x in (rates, forces))
+    held = {}
+
+    def inputs(t):
+        k = round(t / STEP) + 1
+        now = k * STEP
+        values = {"imu.rate": rates[k] + bias, "imu.specific_force": forces[k], "field.field_b": fields[k]}
+        seen = ["imu", "field"]
+        if airspeed is not None:
+            values["air.true_airspeed"] = airspeed
+            seen.append("air")
+        for bundle in seen:
+            held[f"{bundle}.valid"], held[f"{bundle}.sequence"], held[f"{bundle}.time_of_validity"] = True, k, now
+        return values | (more(k) if more else {}) | held
+
+    got = native.run(
+        (len(turns) - 1) * STEP, STEP, NAMES,
+        {"sample_period": STEP, "declination": DECLINATION, **(parameters or {})}, inputs,
+    )  # fmt: skip
+    estimated = Rotation.from_quat(np.roll(got["turn"], -1, axis=1))
+    return got, np.degrees((turns * estimated.inv()).as_rotvec())
+
+
+# --- equations -------------------------------------------------------------------------------------------------------
+
+
+def state():
+    q = quaternion.of_euler(0.4, -0.9, 2.2)
+    return q, np.array([20.0, -30.0, 4.0]), np.array([0.5, -1.0, 0.7])
+
+
+def test_transition_is_what_errors_become_in_the_motion_itself():
+    """Integrated in a hundred steps by SciPy's rotations, with errors put in; a missing term of bias or place shows."""
+    rng, time, steps = np.random.default_rng(2), 0.5, 200
+    start = Rotation.from_euler("ZYX", [2.2, -0.9, 0.4])
+    rate, force = np.array([0.02, -0.03, 0.05]), np.array([1.0, 0.5, -9.0])
+
+    def fly(error):
+        turn = Rotation.from_rotvec(error[:3]) * start
+        velocity, place, step = error[3:6].copy(), error[6:9].copy(), time / steps
+        matrix, gained = np.zeros((3, 3)), np.zeros(3)
+        for _ in range(steps):
+            half = turn * Rotation.from_rotvec(0.5 * step * (rate - error[9:]))
+            force_n = half.apply(force)
+            place += velocity * step + 0.5 * (force_n + GRAVITY) * step**2
+            velocity += (force_n + GRAVITY) * step
+            matrix, gained = matrix + half.as_matrix() / steps, gained + force_n * step
+            turn = turn * Rotation.from_rotvec(step * (rate - error[9:]))
+        return turn, velocity, place, matrix, gained
+
+    turn, velocity, place, matrix, gained = fly(np.zeros(12))
+    phi = ahrs_quaternion.transition(matrix, gained, time, 1.0)
+    by = [1e-5] * 3 + [1e-3] * 6 + [1e-5] * 3
+    for _ in range(5):
+        error = rng.standard_normal(12) * by
+        moved = fly(error)
+        change = [(moved[0] * turn.inv()).as_rotvec(), moved[1] - velocity, moved[2] - place]
+        np.testing.assert_allclose(phi @ error, np.concatenate(change), rtol=0.02, atol=2e-7)
+    velocity, place = ahrs_quaternion.carried(np.zeros(3), np.zeros(3), gained, time)
+    np.testing.assert_allclose(velocity, fly(np.zeros(12))[1], atol=1e-12)
+    np.testing.assert_allclose(place, fly(np.zeros(12))[2], atol=5e-3)
+
+
+def test_what_is_measured_has_the_derivatives_of_closed_form():
+    """C_bn (v - turn x v), C_bn (n - turn x n) and the turn itself: a turn on the wrong side has C_bn on the other."""
+    q, velocity, flow = state()
+    c_bn = quaternion.dcm(q).T
+    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.flow_seen, q, velocity, flow)
+    np.testing.assert_allclose(expected, c_bn @ velocity + flow, atol=1e-13)
+    wanted = np.zeros((3, 20))
+    wanted[:, :3], wanted[:, 3:6], wanted[:, 17:] = c_bn @ attitude.skew(velocity), c_bn, np.eye(3)
+    np.testing.assert_allclose(matrix, wanted, atol=1e-12)
+
+    iron, strength = np.array([0.1, -0.2, 0.05]), 0.03
+    seen = ahrs_quaternion.rows(ahrs_quaternion.field_seen, q, iron, DIP, strength, DECLINATION)
+    direction = ahrs.field_n(DIP, DECLINATION)
+    np.testing.assert_allclose(seen[0], 1.03 * c_bn @ direction + iron, atol=1e-14)
+    wanted = np.zeros((3, 20))
+    wanted[:, :3], wanted[:, 12:15] = 1.03 * c_bn @ attitude.skew(direction), np.eye(3)
+    wanted[:, 15] = 1.03 * c_bn @ ahrs.field_n(DIP + 0.5 * np.pi, DECLINATION)
+    wanted[:, 16] = c_bn @ direction
+    np.testing.assert_allclose(seen[1], wanted, atol=1e-13)
+
+    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.turn_seen, q, q)
+    np.testing.assert_allclose(expected, 0.0, atol=1e-15)
+    np.testing.assert_allclose(matrix, np.eye(3, 20), atol=1e-14)
+
+
+def test_the_first_covariance_leaves_the_airspeed_to_say_nothing_of_heading():
+    """Velocity and heading of the first attitude err together: without that the airspeed would halve the heading's
+    variance, because a velocity that is known in n would tell where the nose points."""
+    q = quaternion.of_euler(0.1, 0.05, 1.0)
+    velocity = quaternion.dcm(q) @ np.array([50.0, 0.0, 0.0])
+    upper = ahrs_quaternion.initial_covariance(
+        q, velocity, np.float64(0.05), np.float64(0.01), 0.1, 0.02, np.array([2.0, 1.0, 1.0])
+    )
+    before = kalman.diagonal(upper)
+    np.testing.assert_allclose(before[:3], [0.0025, 0.0025, 1.0])
+    assert np.linalg.eigvalsh(kalman.unpack(upper)).min() > -1e-12
+    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.flow_seen, q, velocity, np.zeros(3))
+    _, after = ahrs_quaternion.updates(np.zeros(20), upper, expected, matrix, expected, 0.01, True)
+    np.testing.assert_allclose(kalman.diagonal(after)[:3], before[:3], rtol=1e-9)
+
+
+def test_sigmas_of_euler_angles_are_those_of_turned_attitudes():
+    """20 000 random small turns in n, SciPy's Euler angles: the sigma of a sigma is 0.5 %, four of them."""
+    roll, pitch, heading = 0.5, -0.8, 2.0
+    half = np.random.default_rng(3).standard_normal((3, 3)) * 1e-3
+    turns = Rotation.from_rotvec(RNG.standard_normal((20000, 3)) @ half.T)
+    angles = (turns * Rotation.from_euler("ZYX", [heading, pitch, roll])).as_euler("ZYX")[:, ::-1]
+    upper = np.zeros((20, 20))
+    upper[:3, :3] = half @ half.T
+    got = ahrs_quaternion.euler_sigmas(kalman.pack(upper), heading, pitch)
+    np.testing.assert_allclose(got, np.std(angles, axis=0), rtol=0.02)
+
+
+# --- the component ---------------------------------------------------------------------------------------------------
+
+
+def loop(seconds, rate):
+    """A vertical circle at 50 m/s: pitch goes through 90, 180 and 270 degrees; level flight before and after."""
+    time = np.arange(0.0, seconds + 60.0 + 0.5 * STEP, STEP)
+    pitch = np.clip(time - 30.0, 0.0, seconds) * rate
+    zero = np.zeros_like(time)
+    turns = Rotation.from_euler("ZYX", np.column_stack([zero + 0.7, pitch, zero]))
+    return time, turns, turns.apply([50.0, 0.0, 0.0])
+
+
+def test_it_flies_a_loop(native):
+    """At 90 and 270 degrees of pitch Euler angles have a pole, at which a filter of them is thrown off."""
+    seconds = 20.0
+    _, turns, velocities = loop(seconds, 2.0 * np.pi / seconds)
+    got, left = fly(native, turns, velocities, airspeed=50.0)
+    assert np.abs(left[500:]).max() < 0.1
+    assert np.isfinite(got["covariance"]).all()
+    assert np.isfinite(got["sigmas"]).all()
+
+
+def test_a_coordinated_turn_shows_as_a_turn(native):
+    """In one at 5 deg/s the specific force stands on the wings: a filter that takes it for the vertical levels 24
+    degrees of roll away within minutes."""
+    time = np.arange(0.0, 240.0 + 0.5 * STEP, STEP)
+    rate, speed = np.radians(5.0), 50.0
+    heading = np.clip(time - 20.0, 0.0, None) * rate
+    roll = np.arctan(speed * rate / G) * np.clip((time - 19.0) / 2.0, 0.0, 1.0)
+    turns = Rotation.from_euler("ZYX", np.column_stack([heading, 0.0 * time, roll]))
+    _, left = fly(native, turns, turns.apply([speed, 0.0, 0.0]), airspeed=speed)
+    assert np.abs(left[1000:]).max() < 0.5
+
+
+def test_gyro_biases_and_hard_iron_are_learned_in_circles(native):
+    time = np.arange(0.0, 600.0 + 0.5 * STEP, STEP)
+    heading = np.radians(3.0) * np.clip(time - 30.0, 0.0, None)
+    roll = np.arctan(50.0 * np.radians(3.0) / G) * np.clip((time - 29.0) / 2.0, 0.0, 1.0)
+    turns = Rotation.from_euler("ZYX", np.column_stack([heading, 0.0 * time, roll]))
+    bias, iron = np.radians([0.15, -0.1, 0.1]), np.array([0.02, -0.015, 0.01])
+    got, left = fly(native, turns, turns.apply([50.0, 0.0, 0.0]), airspeed=50.0, bias=bias, iron=iron)
+    np.testing.assert_allclose(got["gyro_bias"][-1], bias, atol=np.radians(0.02))
+    np.testing.assert_allclose(got["hard_iron"][-1][:2], iron[:2], atol=0.003)
+    assert np.abs(left[-1]).max() < 1.0
+
+
+def test_a_hand_that_moves_to_and_fro_does_not_tilt(native):
+    """Half a metre at 0.5 Hz, 4.9 m/s2: specific force taken for the vertical tilts by up to 27 degrees."""
+    time = np.arange(0.0, 60.0 + 0.5 * STEP, STEP)
+    moving = np.where(time > 5.0, 1.0, 0.0)
+    frequency = 2.0 * np.pi * 0.5
+    velocity = 0.5 * frequency * np.sin(frequency * (time - 5.0)) * moving
+    angles = np.column_stack([time, 0.2 * np.sin(time), 0.4 * np.sin(0.7 * time)])
+    turns = Rotation.from_euler("ZYX", angles)
+    velocities = np.column_stack([velocity, 0.3 * velocity, 0.0 * velocity])
+    _, left = fly(native, turns, velocities, {**HAND.values, "declination": DECLINATION})
+    assert np.abs(left[100:, :2]).max() < 1.5
+
+
+def test_a_magnet_turns_the_heading_little(native):
+    """A field that turns by 60 degrees and doubles for ten seconds: taken at its face value, heading follows."""
+    time = np.arange(0.0, 60.0 + 0.5 * STEP, STEP)
+    turns = Rotation.from_euler("ZYX", np.column_stack([0.3 * np.sin(0.5 * time), 0.0 * time, 0.0 * time]))
+    fields = turns.inv().apply(FIELD_N + STRENGTH * np.array([-0.2, 1.4, 0.0]))
+
+    def magnet(k):
+        return {"field.field_b": fields[k]} if 30.0 < k * STEP < 40.0 else {}
+
+    _, left = fly(native, turns, np.zeros((len(time), 3)), HAND.values, more=magnet)
+    assert np.abs(left[500:, 2]).max() < 5.0
+
+
+def test_gps_attitude_takes_an_attitude_that_is_wrong(native):
+    """The hard iron turns the field by 15 degrees: with three antennas the heading is theirs, upside down too."""
+    time = np.arange(0.0, 40.0 + 0.5 * STEP, STEP)
+    angles = np.column_stack([0.0 * time - 2.0, 0.0 * time + 0.1, 0.0 * time])
+    turns = Rotation.from_euler("ZYX", angles)
+
+    def told(k):
+        heading, pitch, roll = angles[k]
+        values = {"gps.roll": roll, "gps.pitch": pitch, "gps.heading": heading}
+        return values | {"gps.valid": True, "gps.sequence": k, "gps.time_of_validity": k * STEP}
+
+    iron = (0.0, 0.12, 0.0)
+    _, alone = fly(native, turns, turns.apply([50.0, 0, 0]), airspeed=50.0, iron=iron)
+    _, aided = fly(native, turns, turns.apply([50.0, 0, 0]), airspeed=50.0, iron=iron, more=told)
+    assert np.abs(alone[-1, 2]) > 5.0
+    assert np.abs(aided[-1]).max() < 0.2
+
+
+def test_it_takes_the_place_of_ahrs():
+    """The same bundles with the same members, units and numbers."""
+    for name, bundle in Ahrs.layout.bundles.items():
+        other = AhrsQuaternion.layout.bundles[name]
+        assert other.causality == bundle.causality
+        assert {n: (m.unit, m.shape) for n, m in other.members.items()} == {
+            n: (m.unit, m.shape) for n, m in bundle.members.items()
+        }
