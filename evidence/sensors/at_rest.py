@@ -111,6 +111,11 @@ def section(units: Mapping[str, Unit]) -> Section:
             ["unit", "axis", "noise per sample", "per root second", "drift, 1 sigma", "correlation time, s", "unit of"],
             [row for unit in units.values() for row in _rows(unit.recorded)],
         )
+        page.text("What navfmu allan tells of the same stretches, with intervals of 95 %:")
+        page.table(
+            ["unit", "sensor", "term", "x", "y", "z", "unit of"],
+            [row for unit in units.values() for row in _identified(unit.recorded)],
+        )
 
     return Section(claims, write)
 
@@ -167,4 +172,16 @@ def _rows(rest: Rest) -> list[list[str]]:
         for axis, n, d in zip(COLUMNS[columns], noise, drift, strict=True):
             root = n * np.sqrt(rest.period)
             rows.append([rest.name, axis, f"{n:.3g}", f"{root:.3g}", f"{d:.2g}", f"{time:.2g}", symbol])
+    return rows
+
+
+def _identified(rest: Rest) -> list[list[str]]:
+    rows = []
+    for sensor, one in rest.identified.items():
+        for term, *numbers in zip(one.terms, one.coefficients, one.low, one.high, strict=True):
+            unit, factor = sensor.shown[term]
+            cells = [
+                f"{factor * v:.3g} ({factor * a:.3g} to {factor * b:.3g})" for v, a, b in zip(*numbers, strict=True)
+            ]
+            rows.append([rest.name, sensor.quantity, term.name, *cells, unit])
     return rows

@@ -12,30 +12,18 @@ import pandas as pd
 from scipy import optimize
 
 from navfmu import System
+from navfmu.calibration.allan.chart import chart
+from navfmu.calibration.allan.identification import Identification, identify
+from navfmu.calibration.allan.sensor import ACCELEROMETER, GYRO, Sensor
+from navfmu.calibration.allan.stretches import quiet
+from navfmu.calibration.allan.terms import gauss_markov
 from navfmu.system import shipped
 
 GYROS, ACCELEROMETERS = (tuple(f"{name}_{axis}" for axis in "xyz") for name in ("rate", "specific_force"))
 COLUMNS = (*GYROS, *ACCELEROMETERS)
 
-QUIET = 3.5
-"""A second is quiet when no axis scatters more than this many times as much as in its quietest twentieth of seconds."""
-LEAST = 10.0
-"""Shortest stretch that is used, s."""
-SETTLING = 1.0
-"""Left out at both ends of a stretch, s."""
 CLUSTERS = 5
 """Least number of averages that a stretch must hold at the longest averaging time."""
-
-
-def quiet(recording: pd.DataFrame, period: float) -> list[slice]:
-    """Stretches of rows in which nothing moves: the quiet seconds that follow each other."""
-    second = round(1.0 / period)
-    count = len(recording) // second
-    scatter = recording[list(COLUMNS)].to_numpy()[: count * second].reshape(count, second, len(COLUMNS)).std(axis=1)
-    still = np.all(scatter < QUIET * np.quantile(scatter, 0.05, axis=0), axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
-    inside = [(a + SETTLING, b - SETTLING) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return [slice(round(a * second), round(b * second)) for a, b in inside if b - a >= LEAST]
 
 
 def deviation(stretches: Sequence[np.ndarray], period: float, times: np.ndarray) -> np.ndarray:
@@ -52,12 +40,6 @@ def deviation(stretches: Sequence[np.ndarray], period: float, times: np.ndarray)
             total[long, axis] += counts * found**2
         pairs[long, 0] += counts
     return np.sqrt(total / pairs)
-
-
-def markov(times: np.ndarray, correlation_time: float) -> np.ndarray:
-    """Allan variance of a first-order Gauss-Markov process of unit variance, thesis Table C.1 (exact, all times)."""
-    x = times / correlation_time
-    return 2.0 / x * (1.0 - (3.0 - 4.0 * np.exp(-x) + np.exp(-2.0 * x)) / (2.0 * x))
 
 
 @dataclass(frozen=True)
@@ -118,6 +100,14 @@ class Rest:
             }
         return found
 
+    @cached_property
+    def identified(self) -> dict[Sensor, Identification]:
+        """The error terms of gyros and accelerometers, as ``navfmu allan`` tells them."""
+        return {
+            sensor: identify(chart([part[:, axes] for part in self.stretches], self.period).beyond(self.shortest))
+            for sensor, axes in ((GYRO, slice(0, 3)), (ACCELEROMETER, slice(3, 6)))
+        }
+
     @property
     def halves(self) -> tuple[Rest, Rest]:
         """The first, third ... stretches, and the second, fourth ..."""
@@ -143,7 +133,9 @@ class Rest:
         """The quiet stretches of recordings of one kind of unit, at its median period to a hundredth of a percent."""
         period = float(np.format_float_positional(np.median(np.diff(recordings[0]["time"])), 4, fractional=False))
         stretches = [
-            recording[list(COLUMNS)].to_numpy()[rows] for recording in recordings for rows in quiet(recording, period)
+            samples[rows]
+            for samples in (recording[list(COLUMNS)].to_numpy() for recording in recordings)
+            for rows in quiet(samples, period)
         ]
         return cls(name, period, tuple(stretches), shortest)
 
@@ -151,7 +143,7 @@ class Rest:
 def _fit(times: np.ndarray, variance: np.ndarray, period: float) -> tuple[float, np.ndarray, np.ndarray]:
     best = (np.inf, 1.0, np.zeros(3), np.zeros(3))
     for time in np.geomspace(1.0, max(2.0, times[-1]), 20):
-        parts = np.stack([period / times, markov(times, time)], axis=1)
+        parts = np.stack([period / times, gauss_markov(times, time)], axis=1)
         weight = 1.0 / np.sqrt(times)
         solved = [optimize.nnls(parts * (weight / v)[:, None], weight) for v in variance.T]
         misfit = sum(residual**2 for _, residual in solved)

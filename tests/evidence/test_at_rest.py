@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from evidence.sensors import at_rest
-from evidence.sensors.rest import COLUMNS, Rest, deviation, markov, quiet
+from evidence.sensors.rest import COLUMNS, Rest, deviation
 from navfmu.system import shipped
 from tests.built import fmu
 
@@ -19,31 +19,12 @@ def recording(values: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(values, columns=list(COLUMNS)).assign(time=PERIOD * np.arange(1, len(values) + 1))
 
 
-def test_stretches_are_those_in_which_no_axis_moves():
-    """Catches one that looks at the gyros alone, or keeps a moving second in the middle."""
-    rng = np.random.default_rng(1)
-    values = 0.01 * rng.standard_normal((6000, 6))
-    values[1500:1600, 4] += np.linspace(0.0, 1.0, 100)
-    values[3000:3600, 0] *= 10.0
-    assert quiet(recording(values), PERIOD) == [slice(100, 1400), slice(1700, 2900), slice(3700, 5900)]
-
-
 def test_deviation_of_one_stretch_is_that_of_allantools_and_of_two_alike_the_same():
     values = np.random.default_rng(2).standard_normal((2000, 3))
     times = np.array([0.01, 0.1, 1.0])
     expected = np.transpose([allantools.oadev(x, 100.0, "freq", times)[1] for x in values.T])
     np.testing.assert_allclose(deviation([values], PERIOD, times), expected, rtol=1e-12)
     np.testing.assert_allclose(deviation([values, values], PERIOD, times), expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize("correlation_time", [0.05, 1.0, 30.0])
-def test_allan_variance_of_a_markov_process_is_that_of_its_covariance(correlation_time):
-    """The definition: half the mean square of the difference of neighbouring averages, from exp(-|s - t|/tau)."""
-    n, time = 400, 2.0
-    t = (np.arange(2 * n) + 0.5) * time / n
-    covariance = np.exp(-np.abs(t[:, None] - t) / correlation_time)
-    weight = np.repeat([1.0 / n, -1.0 / n], n)
-    assert markov(np.array([time]), correlation_time)[0] == pytest.approx(0.5 * weight @ covariance @ weight, rel=1e-3)
 
 
 @pytest.fixture
