@@ -23,6 +23,7 @@ SENSORS = (
     "gps_signals",
     "gps_solver",
     "imu",
+    "hand_held",
     "increments",
     "magnetometer",
     "navaids",

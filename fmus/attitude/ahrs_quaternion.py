@@ -22,7 +22,7 @@ HAND = ParameterSet(
         "airspeed": 0.0,
         "blind_airspeed_sigma": 0.0,
         "flow_sigma": 0.0,
-        "velocity_density": 0.1,
+        "velocity_density": 0.2,
         "place_density": 0.1,
         "velocity_walk": 0.02,
         "gyro_noise": 0.0025,
@@ -35,7 +35,7 @@ HAND = ParameterSet(
         "field_sigma": 0.1,
         "field_limit": 2.0,
         "hard_iron_sigma": 0.005,
-        "hard_iron_walk": 0.0003,
+        "hard_iron_walk": 0.0001,
         "dip_sigma": 0.005,
         "dip_walk": 0.0,
         "initial_sigma": 0.02,
@@ -95,7 +95,10 @@ class AhrsQuaternion(Reference, Component):
         "(thesis (3.36)) has 0.35 m/s",
     )
     velocity_density = Parameter(
-        "m/s", start=1.0, min=1.0e-6, description="white noise of the airspeed, mean over one second (own choice)"
+        "m/s",
+        start=2.0,
+        min=1.0e-6,
+        description="noise of a mean airspeed of one second: gusts of 1 m/s for 2 s",
     )
     place_density = Parameter(
         "m", start=0.0, min=0.0, description="white noise of the place, mean over one second; 0: it moves away"
