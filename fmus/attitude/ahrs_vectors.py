@@ -143,19 +143,21 @@ class AhrsVectors(Component):
         here = self.position
         field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
         down = np.arctan2(field_n[2], np.sqrt(field_n[0] * field_n[0] + field_n[1] * field_n[1]))
-        self.local_declination = np.where(here.valid, magnetic_field.declination(field_n), self.local_declination)
-        self.dip = np.where(here.valid, down, self.dip)
-        self.chart_sigma = magnetic_field.declination_sigma(field_n, self.date)
-        self.charted = here.valid
+        charted = here.valid & np.isfinite(np.sum(field_n))
+        self.local_declination = np.where(charted, magnetic_field.declination(field_n), self.local_declination)
+        self.dip = np.where(charted, down, self.dip)
+        self.chart_sigma = np.where(charted, magnetic_field.declination_sigma(field_n, self.date), self.chart_sigma)
+        self.charted = charted
 
     @on_new("air")
     def take_air(self):
+        told = self.air.valid & np.isfinite(self.air.true_airspeed)
         since = self.air.time_of_validity - self.air_time
         share = np.where(since <= self.air_timeout + 1.0e-6, -np.expm1(-since / self.speeding_time), 1.0)
         slow = self.airspeed_slow + share * (self.air.true_airspeed - self.airspeed_slow)
-        self.airspeed_slow = np.where(self.air.valid, slow, self.airspeed_slow)
-        self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
-        self.air_time = np.where(self.air.valid, self.air.time_of_validity, self.air_time)
+        self.airspeed_slow = np.where(told, slow, self.airspeed_slow)
+        self.airspeed_seen = np.where(told, self.air.true_airspeed, self.airspeed_seen)
+        self.air_time = np.where(told, self.air.time_of_validity, self.air_time)
 
     @on_new("field")
     def match(self):

@@ -245,3 +245,20 @@ def test_what_cannot_be_found_is_not_valid_and_a_number(native, what, changed, p
     assert np.isfinite([run[name][1] for name in RECORD]).all(), what
     usual = native.run(1.0, 1.0, RECORD, THESIS, still(1.0))
     assert valid(native) and usual["attitude.heading"][1] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["air.true_airspeed", "position.latitude", "field.field_b", "imu.rate"])
+def test_a_valid_sample_that_is_no_number_leaves_nothing_behind(native, name):
+    """The third of eight. A lag that takes it in has no attitude for the rest of the flight."""
+
+    def inputs(time):
+        k = round(time) + 1
+        values = still(0.3, **{"air.true_airspeed": 50.0, "position.latitude": 0.6, "position.longitude": -2.0})(time)
+        for bundle in ("imu", "field", "air", "position"):
+            values |= {f"{bundle}.sequence": k, f"{bundle}.time_of_validity": time, f"{bundle}.valid": True}
+        values["position.valid"] = k <= 3
+        return values | ({name: np.nan} if k == 3 else {})
+
+    run = native.run(8.0, 1.0, RECORD, THESIS | {"chart_period": 1.0}, inputs)
+    assert valid(native)
+    assert np.isfinite([run[each] for each in RECORD]).all()
