@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from fmus.attitude.ahrs import Ahrs
@@ -25,8 +26,10 @@ def native(tmp_path_factory):
     return Native(AhrsQuaternion, tmp_path_factory.mktemp("ahrs_quaternion"))
 
 
-def fly(native, turns, velocities, parameters=None, bias=(0, 0, 0), iron=(0, 0, 0), airspeed=None, more=None):
-    """Outputs, and the rotation in n that is left, deg, of ideal sensors on a motion.
+def fly(
+    native, turns, velocities, parameters=None, bias=(0, 0, 0), iron=(0, 0, 0), airspeed=None, more=None, wrong=0.0
+):
+    """Outputs, and the rotation in n that is left, deg, of ideal sensors on a motion; ``wrong`` is what gyros err by.
 
     ``turns`` are SciPy's rotations of b to n and ``velocities`` those in n, at 0, STEP, ...; rates and specific forces
     are what takes one to the next, so they are those of the middle of a step.
@@ -38,6 +41,7 @@ def fly(native, turns, velocities, parameters=None, bias=(0, 0, 0), iron=(0, 0, 
     fields = turns.inv().apply(FIELD_N) + STRENGTH * np.asarray(iron)
     # the component takes the mean of two samples: as they are, the means of the two steps at a sample
     rates, forces = (np.concatenate([x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]]) for x in (rates, forces))
+    rates = rates + wrong
     held = {}
 
     def inputs(t):
@@ -251,3 +255,67 @@ def test_it_takes_the_place_of_ahrs():
         assert {n: (m.unit, m.shape) for n, m in other.members.items()} == {
             n: (m.unit, m.shape) for n, m in bundle.members.items()
         }
+
+
+# --- consistency -----------------------------------------------------------------------------------------------------
+
+SEEDS, LONG, PERIOD = 24, 120.0, 0.5
+MODELLED = {
+    "gyro_noise": 0.002, "alpha": 1.0, "gyro_scale_sigma": 0.0, "gyro_null_shift_sigma": 0.003, "gyro_drift_sigma": 0.0,
+    "hard_iron_sigma": 0.02, "field_sigma": 0.02, "field_limit": 10.0, "dip_sigma": 0.1, "dip_walk": 0.0,
+    "velocity_walk": 0.35, "velocity_density": 0.7, "flow_sigma": 1.5, "flow_time": 5.0, "airspeed_time": 1e6,
+    "aiding_period": PERIOD, "initial_sigma": 0.03,
+}  # fmt: skip
+"""What the filter is told, and what :func:`drawn` does."""
+
+
+def drawn(native, seed):
+    """Turn that is left (rad) and its covariance at the end of a flight of random turns that errs as modelled."""
+    rng, count = np.random.default_rng(seed), round(LONG / STEP) + 1
+    told = MODELLED
+    time = np.arange(count) * STEP
+    turning = np.repeat(rng.uniform(-0.05, 0.05, count // 1000 + 1), 1000)[:count]
+    smooth = np.convolve(turning, np.ones(100) / 100.0, "same")
+    heading = rng.uniform(-np.pi, np.pi) + np.cumsum(smooth) * STEP
+    turns = Rotation.from_euler(
+        "ZYX", np.column_stack([heading, 0.05 * np.sin(0.2 * time), np.arctan(50.0 * smooth / G)])
+    )
+    # across the nose: Gauss-Markov; the airspeed's own error stands still
+    decay, white = np.exp(-STEP / told["flow_time"]), rng.standard_normal((count, 2))
+    across = told["flow_sigma"] * rng.standard_normal(2)
+    flow = np.zeros((count, 3))
+    for k in range(count):
+        across = decay * across + told["flow_sigma"] * np.sqrt(1.0 - decay**2) * white[k]
+        flow[k, 1:] = across
+    wind = np.cumsum(told["velocity_walk"] * np.sqrt(STEP) * rng.standard_normal((count, 3)), axis=0)
+    air = turns.apply([50.0, 0.0, 0.0] - flow)
+    error = 2.0 * rng.standard_normal()
+    noise = told["velocity_density"] / np.sqrt(PERIOD) * rng.standard_normal(count)
+    null_shift = told["gyro_null_shift_sigma"] * rng.standard_normal(3)
+    rates = null_shift + told["gyro_noise"] * rng.standard_normal((count, 3))
+    iron = told["hard_iron_sigma"] * rng.standard_normal(3)
+    fields = turns.inv().apply(FIELD_N) + STRENGTH * (iron + told["field_sigma"] * rng.standard_normal((count, 3)))
+
+    def more(k):
+        return {
+            "field.field_b": fields[k],
+            "air.true_airspeed": 50.0 + error + noise[k],
+            "air.true_airspeed_sigma": 2.0,
+        }
+
+    still = {"level_sigma": 0.0, "mounting_sigma": 0.0, "declination_sigma": 0.0}
+    got, left = fly(
+        native, turns, air + wind, {**told, **still}, airspeed=50.0, more=more, wrong=rates
+    )  # fmt: skip
+    return np.radians(left[-1]), kalman.unpack(got["covariance"][-1])[:3, :3]
+
+
+def test_errors_are_as_large_as_they_are_said_to_be(native):
+    """Of 24 flights the squares of the turn that is left over its covariance: chi-square of 72, 99.9 % of it.
+
+    Sigmas of twice the size have a quarter of that, a filter that takes the wind for a third of what it is 4.5 times.
+    """
+    flights = (drawn(native, seed) for seed in range(SEEDS))
+    squares = [left @ np.linalg.solve(covariance, left) for left, covariance in flights]
+    low, high = stats.chi2.ppf([0.0005, 0.9995], 3 * SEEDS)
+    assert low < np.sum(squares) < high
