@@ -18,9 +18,9 @@ import click
 def command(file, columns, units, shortest, fmu, out, picture):
     """Find out which errors make the Allan deviation of the unit in FILE, and how large they are.
 
-    FILE is a table, CSV or Parquet, of a unit that lies still: time and rate_x, rate_y, rate_z (rad/s),
-    specific_force_x, _y, _z (m/s2), or one of the sensors. Where it moves is left out. A term is told when the chart
-    would look like that without it once in 1000 times at most; the interval holds its value in 95 of 100.
+    FILE is a table, CSV or Parquet, or a log of PX4 (.ulg), of a unit that lies still: time and rate_x, rate_y, rate_z
+    (rad/s), specific_force_x, _y, _z (m/s2), or one of the sensors. Where it moves is left out. A term is told when the
+    chart would look like that without it once in 1000 times at most; the interval holds its value in 95 of 100.
 
     \b
     navfmu allan rest.parquet --picture rest.png

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import matplotlib.image
 import numpy as np
 import pandas as pd
@@ -20,6 +22,7 @@ from navfmu.constants import STANDARD_GRAVITY
 from navfmu.ssp.reader import read_parameters
 from tests import built
 from tests.calibration import made
+from tests.recorded.test_px4 import log
 
 PERIOD = 0.1
 COLUMNS = [f"{name}_{axis}" for name in ("rate", "specific_force") for axis in "xyz"]
@@ -180,3 +183,11 @@ def test_moving_parts_and_gaps_are_left_out(rest):
     taken = recording("rest.csv", {}, {})
     assert [len(part) for part in taken.stretches[GYRO]] == [1400, 600, 650]
     assert "in 3 stretches of 12 to 28 s" in taken.sentences[0]
+
+
+def test_a_log_of_px4_is_read(rest):
+    """Its stamps are whole microseconds. Wrong: a table is expected, or fields are taken in another order."""
+    rows = [(t, *six[:3], 20000, *six[3:]) for t, six in zip(rest["time"] + 1.0, rest[COLUMNS].to_numpy(), strict=True)]
+    taken = recording(log(Path("rest.ulg"), sensor_combined=rows), {}, {})
+    np.testing.assert_allclose(np.vstack(taken.stretches[GYRO]), rest[COLUMNS[:3]][50:2950], rtol=1e-6)
+    assert taken.period == pytest.approx(0.02, rel=1e-4)

@@ -12,6 +12,7 @@ import numpy as np
 from navfmu.calibration.allan.sensor import SENSORS, Sensor
 from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
 from navfmu.errors import NavfmuError, nearest
+from navfmu.recorded.replay import px4
 from navfmu.recorded.replay.asked import scale
 from navfmu.recorded.replay.file import File, read
 
@@ -37,8 +38,9 @@ class Recording:
 
 
 def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> Recording:
-    """Read a table; ``columns`` and ``units`` are those of time, rate and specific_force where they are not usual."""
-    file = read(path)
+    """Read a table, or a log of PX4; ``columns`` and ``units`` say those of time, rate and specific_force that are not
+    usual."""
+    file = px4.read(path, "imu") if str(path).lower().endswith(".ulg") else read(path)
     _check_names(columns, units)
     time = _column(file, *_named(file, TIME, columns, 1), units.get(TIME), "s", TIME)
     given = {sensor: _triad(file, sensor, columns, units) for sensor in SENSORS}
