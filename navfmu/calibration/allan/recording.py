@@ -40,7 +40,7 @@ class Recording:
 def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> Recording:
     """Read a table, or a log of PX4; ``columns`` and ``units`` say those of time, rate and specific_force that are not
     usual."""
-    file = px4.read(path, "imu") if str(path).lower().endswith(".ulg") else read(path)
+    file = px4.read(path, _logged()) if str(path).lower().endswith(".ulg") else read(path)
     _check_names(columns, units)
     time = _column(file, *_named(file, TIME, columns, 1), units.get(TIME), "s", TIME)
     given = {sensor: _triad(file, sensor, columns, units) for sensor in SENSORS}
@@ -68,6 +68,11 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
     return Recording(
         file.path, period, float(time[-1] - time[0]), stretches, tuple(_sentences(file, time, period, parts, stretches))
     )
+
+
+def _logged() -> str:
+    """Return what of a log of PX4 has rates."""
+    return next(name for name, choices in px4.topics().items() if "rate_x" in choices[0][0].fields)
 
 
 def _check_names(columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> None:
