@@ -161,14 +161,17 @@ class AhrsQuaternion(Reference, Component):
 
     @on_new("air")
     def take_air(self):
-        self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
+        known = self.air.valid & np.isfinite(self.air.true_airspeed)
+        self.airspeed_seen = np.where(known, self.air.true_airspeed, self.airspeed_seen)
 
     @on_new("imu")
     def integrate(self):
         step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
-        rate = self.imu.rate - self.gyro_bias
+        known = np.isfinite(np.sum(self.imu.rate) + np.sum(self.imu.specific_force))
+        rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
+        force = np.where(known, self.imu.specific_force, self.force)
         mean = 0.5 * (rate + self.rate)
-        felt = 0.5 * (self.imu.specific_force + self.force) * step
+        felt = 0.5 * (force + self.force) * step
         middle = quaternion.dcm(quaternion.product(self.turn, quaternion.of_rotation(0.5 * step * mean)))
         self.turn = quaternion.unit(quaternion.product(self.turn, quaternion.of_rotation(step * mean)))
         self.force_sum = self.force_sum + middle @ felt
@@ -178,7 +181,7 @@ class AhrsQuaternion(Reference, Component):
         self.square_sum = self.square_sum + step * (middle @ mean) ** 2
         self.since = self.since + step
         self.rate = rate
-        self.force = self.imu.specific_force
+        self.force = force
         self.imu_time = self.imu.time_of_validity
         roll, pitch, heading = attitude.euler(quaternion.dcm(self.turn))
         self.attitude.publish(
@@ -189,7 +192,7 @@ class AhrsQuaternion(Reference, Component):
             roll_sigma=self.sigmas[0],
             pitch_sigma=self.sigmas[1],
             heading_sigma=self.sigmas[2],
-            valid=np.logical_and(self.aligned, self.imu.valid),
+            valid=self.aligned & self.imu.valid & known,
             time_of_validity=self.imu.time_of_validity,
         )
 
@@ -223,7 +226,8 @@ class AhrsQuaternion(Reference, Component):
 
         # initial alignment
         due = self.field.time_of_validity <= self.time + 1.0e-6
-        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
+        come = self.field.valid & np.isfinite(np.sum(self.field.field_b))
+        new_field = come & (self.field.sequence != self.field_seen) & due
         strength = np.maximum(length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
         turning = turning_acceleration(np.where(fresh, self.airspeed_seen, 0.0), rate)
@@ -334,8 +338,9 @@ class AhrsQuaternion(Reference, Component):
         self.covariance = np.where(begin, 0.0, covariance)
         self.velocity = np.where(begin, none, velocity + correction[filter_.VELOCITY])
         self.place = np.where(begin, none, place + correction[filter_.PLACE])
+        measured = self.rate + self.gyro_bias
         self.gyro_bias = np.where(begin, none, self.gyro_bias + correction[filter_.BIAS])
-        self.rate = np.where(begin, self.imu.rate, self.rate - correction[filter_.BIAS])
+        self.rate = measured - self.gyro_bias
         self.hard_iron = np.where(begin, none, self.hard_iron + correction[filter_.IRON])
         self.dip = np.where(begin, 0.0, dip + correction[filter_.DIP])
         self.strength = np.where(begin, 0.0, strength_then + correction[filter_.STRENGTH])

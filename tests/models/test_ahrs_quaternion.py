@@ -247,6 +247,17 @@ def test_gps_attitude_takes_an_attitude_that_is_wrong(native):
     assert np.abs(aided[-1]).max() < 0.2
 
 
+@pytest.mark.parametrize("name", ["air.true_airspeed", "field.field_b", "imu.rate", "imu.specific_force"])
+def test_one_sample_that_is_no_number_is_no_end(native, name):
+    """Valid, and NaN: a filter that lets it into its states shows no attitude for the rest of the flight."""
+    time = np.arange(0.0, 60.0 + 0.5 * STEP, STEP)
+    turns = Rotation.from_euler("ZYX", np.column_stack([0.0 * time + 0.7, 0.0 * time, 0.0 * time]))
+    _, left = fly(
+        native, turns, turns.apply([50.0, 0, 0]), airspeed=50.0, more=lambda k: {name: np.nan} if k == 1000 else {}
+    )
+    assert np.abs(left[-500:]).max() < 0.1
+
+
 def test_it_takes_the_place_of_ahrs():
     """The same bundles with the same members, units and numbers."""
     for name, bundle in Ahrs.layout.bundles.items():
