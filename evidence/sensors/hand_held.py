@@ -1,4 +1,4 @@
-"""``ahrs_quaternion`` held by hand: the trials of BROAD, a public benchmark, beside filters of other people.
+"""``ahrs_velocity`` held by hand: the trials of BROAD, a public benchmark, beside filters of other people.
 
 The environment variable NAVFMU_DATA names a folder with trials in ``sensors/broad/`` (Laidig, Caruso, Cereatti, Seel,
 *BROAD, a benchmark for robust inertial orientation estimation*, Data 6(7), 2021, doi:10.3390/data6070072). They are not
@@ -17,7 +17,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from evidence.section import Section, left_out, recorded
-from fmus.attitude.ahrs_quaternion import HAND
+from fmus.attitude.ahrs_velocity import HAND
 from navfmu.files.writing import write_file
 from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.file import read
@@ -61,11 +61,11 @@ def errors_of(trial: Path, folder: Path) -> np.ndarray:
     asked = Asked(axes={"": AXES}, start=-PERIOD)  # the first sample comes at the first tick
     for sensor in ("imu", "magnetometer"):
         import_samples(read(trial), shipped.path(f"{sensor}_replay.fmu"), asked).write(folder / f"{sensor}.fmu")
-    (folder / "ahrs_quaternion.fmu").write_bytes(Path(shipped.path("ahrs_quaternion.fmu")).read_bytes())
+    (folder / "ahrs_velocity.fmu").write_bytes(Path(shipped.path("ahrs_velocity.fmu")).read_bytes())
     truth = pd.read_parquet(trial)
     system = SystemSource("hand", fmus=folder, stop_time=float(truth["time"].iloc[-1]), step=PERIOD)
     system.component("imu", "imu.fmu").component("magnetometer", "magnetometer.fmu")
-    system.component("ahrs", "ahrs_quaternion.fmu")
+    system.component("ahrs", "ahrs_velocity.fmu")
     system.connect("imu.reading", "ahrs.imu").connect("magnetometer.field", "ahrs.field")
     for sensor in ("imu", "magnetometer"):
         system.parameters(sensor, {"tick_period": PERIOD})
@@ -96,9 +96,9 @@ def section(errors: Mapping[str, np.ndarray]) -> Section:
     mean = np.mean(list(errors.values()), axis=0)
     claims = [
         Claim(
-            f"Held by hand, ahrs_quaternion keeps the attitude in {len(errors)} trials of BROAD by one set",
+            f"Held by hand, ahrs_velocity keeps the attitude in {len(errors)} trials of BROAD by one set",
             float(mean[0]), MOST, False, "degrees rms, mean of the trials",
-            opposite="Held by hand, ahrs_quaternion loses more attitude in the trials of BROAD than it may",
+            opposite="Held by hand, ahrs_velocity loses more attitude in the trials of BROAD than it may",
         )
     ]  # fmt: skip
 

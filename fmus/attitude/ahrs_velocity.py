@@ -1,4 +1,4 @@
-"""The FMU ``ahrs_quaternion``: attitude and heading by a quaternion filter."""
+"""The FMU ``ahrs_velocity``: attitude and heading by a filter whose level comes from velocity."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from fmus import examples
 from fmus.attitude.interface import Reference
-from models.attitude import ahrs_quaternion as filter_
+from models.attitude import ahrs_velocity as filter_
 from models.attitude import attitude, quaternion
 from models.attitude.ahrs import declination_at, length, level, levelled_heading, turning_acceleration, unseen
 from models.filters import kalman
@@ -45,7 +45,7 @@ HAND = ParameterSet(
 SETS = {"hand": HAND}
 
 
-class AhrsQuaternion(Reference, Component):
+class AhrsVelocity(Reference, Component):
     """Attitude and heading reference without a singular attitude, for aircraft and for what is held by hand.
 
     With every IMU sample the quaternion is turned by the rates less their estimated biases, exactly for a rate that is

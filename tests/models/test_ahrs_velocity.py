@@ -6,8 +6,8 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from fmus.attitude.ahrs import Ahrs
-from fmus.attitude.ahrs_quaternion import HAND, AhrsQuaternion
-from models.attitude import ahrs, ahrs_quaternion, attitude, quaternion
+from fmus.attitude.ahrs_velocity import HAND, AhrsVelocity
+from models.attitude import ahrs, ahrs_velocity, attitude, quaternion
 from models.filters import kalman
 from navfmu.constants import STANDARD_GRAVITY
 from tests.models.native import Native
@@ -23,7 +23,7 @@ NAMES = ["turn", "gyro_bias", "hard_iron", "dip", "sigmas", "velocity", "strengt
 
 @pytest.fixture(scope="module")
 def native(tmp_path_factory):
-    return Native(AhrsQuaternion, tmp_path_factory.mktemp("ahrs_quaternion"))
+    return Native(AhrsVelocity, tmp_path_factory.mktemp("ahrs_velocity"))
 
 
 def fly(
@@ -92,14 +92,14 @@ def test_transition_is_what_errors_become_in_the_motion_itself():
         return turn, velocity, place, matrix, gained
 
     turn, velocity, place, matrix, gained = fly(np.zeros(12))
-    phi = ahrs_quaternion.transition(matrix, gained, time, 1.0)
+    phi = ahrs_velocity.transition(matrix, gained, time, 1.0)
     by = [1e-5] * 3 + [1e-3] * 6 + [1e-5] * 3
     for _ in range(5):
         error = rng.standard_normal(12) * by
         moved = fly(error)
         change = [(moved[0] * turn.inv()).as_rotvec(), moved[1] - velocity, moved[2] - place]
         np.testing.assert_allclose(phi @ error, np.concatenate(change), rtol=0.02, atol=2e-7)
-    velocity, place = ahrs_quaternion.carried(np.zeros(3), np.zeros(3), gained, time)
+    velocity, place = ahrs_velocity.carried(np.zeros(3), np.zeros(3), gained, time)
     np.testing.assert_allclose(velocity, fly(np.zeros(12))[1], atol=1e-12)
     np.testing.assert_allclose(place, fly(np.zeros(12))[2], atol=5e-3)
 
@@ -108,14 +108,14 @@ def test_what_is_measured_has_the_derivatives_of_closed_form():
     """C_bn (v - turn x v), C_bn (n - turn x n) and the turn itself: a turn on the wrong side has C_bn on the other."""
     q, velocity, flow = state()
     c_bn = quaternion.dcm(q).T
-    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.flow_seen, q, velocity, flow)
+    expected, matrix = ahrs_velocity.rows(ahrs_velocity.flow_seen, q, velocity, flow)
     np.testing.assert_allclose(expected, c_bn @ velocity + flow, atol=1e-13)
     wanted = np.zeros((3, 20))
     wanted[:, :3], wanted[:, 3:6], wanted[:, 17:] = c_bn @ attitude.skew(velocity), c_bn, np.eye(3)
     np.testing.assert_allclose(matrix, wanted, atol=1e-12)
 
     iron, strength = np.array([0.1, -0.2, 0.05]), 0.03
-    seen = ahrs_quaternion.rows(ahrs_quaternion.field_seen, q, iron, DIP, strength, DECLINATION)
+    seen = ahrs_velocity.rows(ahrs_velocity.field_seen, q, iron, DIP, strength, DECLINATION)
     direction = ahrs.field_n(DIP, DECLINATION)
     np.testing.assert_allclose(seen[0], 1.03 * c_bn @ direction + iron, atol=1e-14)
     wanted = np.zeros((3, 20))
@@ -124,7 +124,7 @@ def test_what_is_measured_has_the_derivatives_of_closed_form():
     wanted[:, 16] = c_bn @ direction
     np.testing.assert_allclose(seen[1], wanted, atol=1e-13)
 
-    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.turn_seen, q, q)
+    expected, matrix = ahrs_velocity.rows(ahrs_velocity.turn_seen, q, q)
     np.testing.assert_allclose(expected, 0.0, atol=1e-15)
     np.testing.assert_allclose(matrix, np.eye(3, 20), atol=1e-14)
 
@@ -134,14 +134,14 @@ def test_the_first_covariance_leaves_the_airspeed_to_say_nothing_of_heading():
     variance, because a velocity that is known in n would tell where the nose points."""
     q = quaternion.of_euler(0.1, 0.05, 1.0)
     velocity = quaternion.dcm(q) @ np.array([50.0, 0.0, 0.0])
-    upper = ahrs_quaternion.initial_covariance(
+    upper = ahrs_velocity.initial_covariance(
         q, velocity, np.float64(0.05), np.float64(0.01), 0.1, 0.02, np.array([2.0, 1.0, 1.0])
     )
     before = kalman.diagonal(upper)
     np.testing.assert_allclose(before[:3], [0.0025, 0.0025, 1.0])
     assert np.linalg.eigvalsh(kalman.unpack(upper)).min() > -1e-12
-    expected, matrix = ahrs_quaternion.rows(ahrs_quaternion.flow_seen, q, velocity, np.zeros(3))
-    _, after = ahrs_quaternion.updates(np.zeros(20), upper, expected, matrix, expected, 0.01, True)
+    expected, matrix = ahrs_velocity.rows(ahrs_velocity.flow_seen, q, velocity, np.zeros(3))
+    _, after = ahrs_velocity.updates(np.zeros(20), upper, expected, matrix, expected, 0.01, True)
     np.testing.assert_allclose(kalman.diagonal(after)[:3], before[:3], rtol=1e-9)
 
 
@@ -153,7 +153,7 @@ def test_sigmas_of_euler_angles_are_those_of_turned_attitudes():
     angles = (turns * Rotation.from_euler("ZYX", [heading, pitch, roll])).as_euler("ZYX")[:, ::-1]
     upper = np.zeros((20, 20))
     upper[:3, :3] = half @ half.T
-    got = ahrs_quaternion.euler_sigmas(kalman.pack(upper), heading, pitch)
+    got = ahrs_velocity.euler_sigmas(kalman.pack(upper), heading, pitch)
     np.testing.assert_allclose(got, np.std(angles, axis=0), rtol=0.02)
 
 
@@ -261,7 +261,7 @@ def test_one_sample_that_is_no_number_is_no_end(native, name):
 def test_it_takes_the_place_of_ahrs():
     """The same bundles with the same members, units and numbers."""
     for name, bundle in Ahrs.layout.bundles.items():
-        other = AhrsQuaternion.layout.bundles[name]
+        other = AhrsVelocity.layout.bundles[name]
         assert other.causality == bundle.causality
         assert {n: (m.unit, m.shape) for n, m in other.members.items()} == {
             n: (m.unit, m.shape) for n, m in bundle.members.items()
