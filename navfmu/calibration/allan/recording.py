@@ -11,9 +11,9 @@ import numpy as np
 
 from navfmu.calibration.allan.sensor import SENSORS, Sensor
 from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
-from navfmu.errors import NavfmuError, nearest
+from navfmu.calibration.columns import Columns
+from navfmu.errors import NavfmuError
 from navfmu.recorded.replay import px4
-from navfmu.recorded.replay.asked import scale
 from navfmu.recorded.replay.file import File, read
 
 TIME = "time"
@@ -41,10 +41,9 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
     """Read a table, or a log of PX4; ``columns`` and ``units`` say those of time, rate and specific_force that are not
     usual."""
     file = px4.read(path, _logged()) if str(path).lower().endswith(".ulg") else read(path)
-    _check_names(columns, units)
-    time = _column(file, *_named(file, TIME, columns, 1), units.get(TIME), "s", TIME)
-    given = {sensor: _triad(file, sensor, columns, units) for sensor in SENSORS}
-    samples = {sensor: values for sensor, values in given.items() if values is not None}
+    found = Columns(file, {TIME: (1, "s"), **{sensor.quantity: (3, sensor.unit) for sensor in SENSORS}}, columns, units)
+    time = found.values(TIME)
+    samples = {sensor: found.values(sensor.quantity) for sensor in SENSORS if found.has(sensor.quantity)}
     if not samples:
         raise NavfmuError(
             f"{file.path}: has no sensor's columns; expected rate_x, rate_y, rate_z or specific_force_x, _y, _z, or "
@@ -73,47 +72,6 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
 def _logged() -> str:
     """Return what of a log of PX4 has rates."""
     return next(name for name, choices in px4.topics().items() if "rate_x" in choices[0][0].fields)
-
-
-def _check_names(columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> None:
-    known = [TIME, *(sensor.quantity for sensor in SENSORS)]
-    for option, given in (("--column", columns), ("--unit", units)):
-        for name in given:
-            if name not in known:
-                raise NavfmuError(
-                    f"{option} {name}: there is no such quantity; expected {', '.join(known)}{nearest(name, known)}"
-                )
-
-
-def _named(file: File, name: str, columns: Mapping[str, tuple[str, ...]], count: int) -> tuple[str, ...]:
-    usual = (name,) if count == 1 else tuple(f"{name}_{axis}" for axis in "xyz")
-    named = columns.get(name, usual)
-    if len(named) != count:
-        raise NavfmuError(f"--column {name}: {len(named)} columns are named; expected {count}")
-    for column in named:
-        if column not in file.names:
-            raise NavfmuError(
-                f"{file.path}: has no column '{column}' for {name}; it has {', '.join(file.names[:20])}"
-                f"{nearest(column, file.names)}"
-            )
-    return named
-
-
-def _triad(file: File, sensor: Sensor, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]):
-    name = sensor.quantity
-    if name not in columns and not any(f"{name}_{axis}" in file.names for axis in "xyz"):
-        return None
-    named = _named(file, name, columns, 3)
-    return np.stack([_column(file, column, units.get(name), sensor.unit, name) for column in named], axis=1)
-
-
-def _column(file: File, column: str, asked: str | None, unit: str, name: str) -> np.ndarray:
-    values = file.numbers(column)
-    if not np.all(np.isfinite(values)):
-        at = int(np.argmin(np.isfinite(values)))
-        raise NavfmuError(f"{file.path}, {file.row(at)}: '{column}' has no number; expected one in every row")
-    factor, offset = scale(asked or file.units.get(column, unit), unit, f"{file.path}: {name}")
-    return factor * values + offset
 
 
 def _regular(interval: np.ndarray) -> float:

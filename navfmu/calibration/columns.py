@@ -1,0 +1,64 @@
+"""Columns of a recording by the names of what they hold, in the units that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfmu.errors import NavfmuError, nearest
+from navfmu.recorded.replay.asked import scale
+from navfmu.recorded.replay.file import File
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What of a ``file`` is called what. ``quantities`` are those that a command knows, each with its number of columns
+    (1, or 3 for x, y, z) and its unit; ``columns`` and ``units`` name those of the file that are not the usual ones.
+    """
+
+    file: File
+    quantities: Mapping[str, tuple[int, str]]
+    columns: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        for option, given in (("--column", self.columns), ("--unit", self.units)):
+            for name in given:
+                if name not in self.quantities:
+                    known = list(self.quantities)
+                    raise NavfmuError(
+                        f"{option} {name}: there is no such quantity; expected {', '.join(known)}{nearest(name, known)}"
+                    )
+
+    def has(self, name: str) -> bool:
+        """Whether a quantity is named, or one of its usual columns is there."""
+        return name in self.columns or any(column in self.file.names for column in self._usual(name))
+
+    def values(self, name: str) -> np.ndarray:
+        """Return a quantity (rows,), or (rows, 3), in its unit."""
+        count, unit = self.quantities[name]
+        named = self.columns.get(name, self._usual(name))
+        if len(named) != count:
+            raise NavfmuError(f"--column {name}: {len(named)} columns are named; expected {count}")
+        for column in named:
+            if column not in self.file.names:
+                raise NavfmuError(
+                    f"{self.file.path}: has no column '{column}' for {name}; it has {', '.join(self.file.names[:20])}"
+                    f"{nearest(column, self.file.names)}"
+                )
+        columns = [self._column(column, name, unit) for column in named]
+        return columns[0] if count == 1 else np.stack(columns, axis=1)
+
+    def _usual(self, name: str) -> tuple[str, ...]:
+        return (name,) if self.quantities[name][0] == 1 else tuple(f"{name}_{axis}" for axis in "xyz")
+
+    def _column(self, column: str, name: str, unit: str) -> np.ndarray:
+        file, values = self.file, self.file.numbers(column)
+        if not np.all(np.isfinite(values)):
+            at = int(np.argmin(np.isfinite(values)))
+            raise NavfmuError(f"{file.path}, {file.row(at)}: '{column}' has no number; expected one in every row")
+        asked = self.units.get(name, file.units.get(column, unit))
+        factor, offset = scale(asked, unit, f"{file.path}: {name}")
+        return factor * values + offset
