@@ -32,8 +32,9 @@ HAND = ParameterSet(
         "turn_time": 1.0,
         "gyro_null_shift_sigma": 0.0015,
         "gyro_drift_sigma": 0.0,
-        "field_sigma": 0.1,
-        "field_limit": 2.0,
+        "field_sigma": 0.05,
+        "field_time": 0.14,
+        "field_limit": 4.0,
         "hard_iron_sigma": 0.005,
         "hard_iron_walk": 0.0001,
         "dip_sigma": 0.005,
@@ -110,6 +111,9 @@ class AhrsVelocity(Reference, Component):
         description="velocity of the air across the nose: slip and angle of attack (own choice)",
     )
     flow_time = Parameter("s", start=5.0, min=1.0e-3, description="time for which these last (own choice)")
+    field_time = Parameter(
+        "s", start=0.0, min=0.0, description="time for which the error of a field sample lasts; 0: each has its own"
+    )
     field_limit = Parameter("1", start=3.0, min=1.0, description="sigmas beyond which a field is disturbed")
     disturbance_time = Parameter(
         "s", start=20.0, min=0.0, description="time for which a disturbance lasts (own choice)"
@@ -141,6 +145,7 @@ class AhrsVelocity(Reference, Component):
     airspeed_seen = State("m/s", description="last airspeed of the instrument")
     had_air = State(kind="boolean", description="there were air data at the last aiding")
     field_seen = State(kind="integer", description="sequence number of the last field used")
+    field_at = State("s", start=-1.0e9, description="its time of validity")
     gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
     gps_time = State("s", start=-1.0e9, description="when it was used")
     aligned = State(kind="boolean", description="initial alignment has been done")
@@ -302,9 +307,10 @@ class AhrsVelocity(Reference, Component):
         )
         measured = self.field.field_b / first_strength
         left = measured - expected - matrix @ correction
-        variance = filter_.disturbed(
-            covariance, matrix, left, self.field_sigma**2, self.field_limit, self.disturbance_time / over
-        )
+        apart = np.maximum(self.field.time_of_validity - self.field_at, 1.0e-6)
+        variance = filter_.lasting(self.field_sigma**2, self.field_time, apart)
+        disturbance = filter_.disturbance(covariance, matrix, left, self.field_sigma**2, self.field_limit)
+        variance = np.maximum(variance, filter_.lasting(disturbance, self.disturbance_time, apart))
         correction, covariance = filter_.updates(
             correction,
             covariance,
@@ -347,6 +353,7 @@ class AhrsVelocity(Reference, Component):
         self.flow = np.where(begin, none, flow + correction[filter_.FLOW])
         self.first_strength = first_strength
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
+        self.field_at = np.where(new_field, self.field.time_of_validity, self.field_at)
         self.had_air = fresh
         self.since = 0.0
         self.force_sum = none

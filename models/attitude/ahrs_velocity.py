@@ -20,9 +20,9 @@ So an acceleration is no error of the level, in a turn or not, if a velocity fol
 by an angle lets the velocity grow by g times that angle. Filters that take the specific force itself for the vertical
 need a model of acceleration, as (2) of ``models.attitude.ahrs``, or a long time constant.
 
-The field is taken as it is, strength and all: C_bn n(dip, declination) (1 + strength) + iron. What it shows beyond a
-limit is taken with a noise as large as itself, which lasts (:func:`disturbed`): a magnet nearby leaves strength and dip
-of no field of Earth's.
+The field is taken as it is, strength and all: C_bn n(dip, declination) (1 + strength) + iron. Its errors last, so that
+samples close together tell no more than one (:func:`lasting`). What it shows beyond a limit is taken with an error as
+large as itself, which lasts longer (:func:`disturbance`): a magnet nearby leaves no strength and dip of Earth's field.
 """
 
 from __future__ import annotations
@@ -155,15 +155,24 @@ def updates(correction, upper, expected, matrix, measured, variance, use):
     return correction, upper
 
 
-def disturbed(upper, matrix, residual, variance, limit, count):
-    """Noise variance of each component of a field whose ``residual`` may be that of a magnet.
+def lasting(variance, time, apart):
+    """Variance of white noise that counts as much as errors of ``variance`` which last for ``time`` s, Gauss-Markov.
 
-    Within ``limit`` of the sigmas that are expected, in the mean of the three components, it is ``variance``. Beyond, a
-    disturbance of this size lasts for ``count`` measurements, and has the white noise of the same density.
+    Samples that are ``apart`` s differ by (1 + rho) / (1 - rho), rho = exp(-apart / time): far apart each has an error
+    of its own, and close together their number tells nothing, whatever it is: 2 variance time / apart.
+    """
+    rho = np.exp(-apart / np.maximum(time, 1.0e-9))
+    return variance * (1.0 + rho) / (1.0 - rho)
+
+
+def disturbance(upper, matrix, residual, variance, limit):
+    """Variance of each component of the disturbance that is in a field whose ``residual`` may be that of a magnet.
+
+    Within ``limit`` of the sigmas that are expected, in the mean of the three components, there is none: 0.
     """
     expected = np.sum((matrix @ kalman.unpack(upper)) * matrix, axis=1) + variance
     beyond = np.mean(residual * residual / expected) > limit * limit
-    return np.where(beyond, np.maximum(variance, np.mean(residual * residual) * count), variance)
+    return np.where(beyond, np.mean(residual * residual), 0.0)
 
 
 def euler_sigmas(upper, heading, pitch):
