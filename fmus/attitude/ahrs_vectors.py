@@ -153,7 +153,8 @@ class AhrsVectors(Component):
     def take_air(self):
         told = self.air.valid & np.isfinite(self.air.true_airspeed)
         since = self.air.time_of_validity - self.air_time
-        share = np.where(since <= self.air_timeout + 1.0e-6, -np.expm1(-since / self.speeding_time), 1.0)
+        follows = np.abs(since) <= self.air_timeout + 1.0e-6
+        share = np.where(follows, -np.expm1(-np.maximum(since, 0.0) / self.speeding_time), 1.0)
         slow = self.airspeed_slow + share * (self.air.true_airspeed - self.airspeed_slow)
         self.airspeed_slow = np.where(told, slow, self.airspeed_slow)
         self.airspeed_seen = np.where(told, self.air.true_airspeed, self.airspeed_seen)

@@ -262,3 +262,21 @@ def test_a_valid_sample_that_is_no_number_leaves_nothing_behind(native, name):
     run = native.run(8.0, 1.0, RECORD, THESIS | {"chart_period": 1.0}, inputs)
     assert valid(native)
     assert np.isfinite([run[each] for each in RECORD]).all()
+
+
+@pytest.mark.parametrize("late", [1000.0, 1e4])
+def test_an_airspeed_that_comes_with_an_old_time_is_no_acceleration(native, late):
+    """The third of eight, at 50 m/s and 0.01 m/s2, which V' is below: 0.06 deg of pitch. A lag over a time that is
+    negative has grown by exp(late / 10 s): of 1000 s pitch is wrong by 27 degrees at first, of 10 000 s there is none any more.
+    """
+
+    def inputs(time):
+        k = round(time) + 1
+        values = still(0.3, **{"air.true_airspeed": 50.0 + 0.01 * time})(time)
+        for bundle in ("imu", "field", "air"):
+            values |= {f"{bundle}.sequence": k, f"{bundle}.time_of_validity": time}
+        return values | ({"air.time_of_validity": time - late} if k == 3 else {})
+
+    run = native.run(8.0, 1.0, RECORD, THESIS | {"tilt_sigma": 1e-4, "field_sigma": 0.1}, inputs)
+    assert valid(native)
+    np.testing.assert_allclose(run["attitude.pitch"][4:], 0.0, atol=np.radians(0.06))
