@@ -267,7 +267,7 @@ def test_a_valid_sample_that_is_no_number_leaves_nothing_behind(native, name):
 @pytest.mark.parametrize("late", [1000.0, 1e4])
 def test_an_airspeed_that_comes_with_an_old_time_is_no_acceleration(native, late):
     """The third of eight, at 50 m/s and 0.01 m/s2, which V' is below: 0.06 deg of pitch. A lag over a time that is
-    negative has grown by exp(late / 10 s): of 1000 s pitch is wrong by 27 degrees at first, of 10 000 s there is none any more.
+    negative has grown by exp(late / 10 s): of 1000 s pitch is wrong by 27 degrees at first, of 10 000 s there is none.
     """
 
     def inputs(time):
