@@ -5,18 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.grades import AIR_DATA, ahrs_parameters
+from fmus.attitude.interface import Reference
 from models.attitude import ahrs, attitude
 from models.filters import kalman
-from models.magnetic import magnetic_field
-from models.satellite.gps import ATTITUDE_SIGMA
 from navfmu.constants import STANDARD_GRAVITY
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new, require, start
-
-_DEFAULT = ahrs_parameters("automotive")
+from navfmu.export import Component, Example, Output, Parameter, State, every, on_new
 
 
-class Ahrs(Component):
+class Ahrs(Reference, Component):
     """Attitude and heading reference: gyros, aided by accelerometers, airspeed and a magnetometer.
 
     Thesis section 4.12 with the filter of 4.11.1. With every IMU sample the Euler angles are advanced by the rates less
@@ -77,122 +73,6 @@ class Ahrs(Component):
         panels=examples.ahrs_panels,
     )
 
-    imu = Bundle(
-        rate=Input(3, "rad/s", display_unit="deg/s", description="angular rate, body axes"),
-        specific_force=Input(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="specific force, body axes"),
-        description="inertial measurement",
-    )
-    field = Bundle(
-        field_b=Input(3, "T", display_unit="mG", description="magnetic field, body axes"), description="magnetic field"
-    )
-
-    air = Bundle(
-        true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"),
-        true_airspeed_sigma=Input(
-            "m/s",
-            start=AIR_DATA["airspeed_error_sigma"],
-            min=0.0,
-            display_unit="kn",
-            description="standard deviation of true airspeed by its instrument (thesis (3.32) has 2.6 m/s of the "
-            "indicated one)",
-        ),
-        description="air data",
-    )
-    position = Bundle(
-        latitude=Input("rad", display_unit="deg", description="geodetic latitude"),
-        longitude=Input("rad", display_unit="deg", description="longitude"),
-        altitude=Input("m", display_unit="ft", description="height above the ellipsoid"),
-        description="position, to look up the declination; may stay unconnected",
-    )
-
-    gps = Bundle(
-        roll=Input("rad", display_unit="deg", description="roll"),
-        pitch=Input("rad", display_unit="deg", description="pitch"),
-        heading=Input("rad", display_unit="deg", description="true heading"),
-        description="GPS attitude of three antennas; may stay unconnected",
-    )
-
-    sample_period = Parameter(
-        "s", start=0.01, min=1.0e-4, max=1.0, description="period at which new IMU samples are looked for and expected"
-    )
-    aiding_period = Parameter(
-        "s", start=0.5, min=0.001, max=60.0, description="period of aiding (thesis Fig 4.7: 2 Hz)"
-    )
-    declination = Parameter(
-        "rad",
-        start=np.radians(12.74),
-        min=-np.pi,
-        max=np.pi,
-        display_unit="deg",
-        description="magnetic declination, east positive, until there is a position; 12.74 deg at Livermore by the "
-        "WMM2025 for 2026",
-    )
-    declination_sigma = Parameter(
-        "rad",
-        start=_DEFAULT["declination_sigma"],
-        min=0.0,
-        display_unit="deg",
-        description="error of the declination along a flight without position, at a dip of 60 degrees: local "
-        "anomalies, and its change; it goes with 1 / cos(dip)",
-    )
-    chart_period = Parameter(
-        "s",
-        start=10.0,
-        min=1.0e-3,
-        max=600.0,
-        description="period at which the declination is looked up (own choice: 2 km at 200 m/s, 0.02 deg at 70 degrees "
-        "north)",
-    )
-    date = Parameter(
-        "1", start=2026.0, description="date in decimal years, 2010.0 to 2030.0 (validity of WMM2010 to WMM2025)"
-    )
-    mounting_sigma = Parameter(
-        "rad",
-        start=_DEFAULT["mounting_sigma"],
-        min=0.0,
-        display_unit="deg",
-        description="error of the needle by the triad's mounting, soft iron and scale factors, rms over all headings",
-    )
-    level_sigma = Parameter(
-        "rad",
-        start=_DEFAULT["level_sigma"],
-        min=0.0,
-        display_unit="deg",
-        description="constant error of the level: null shift of the accelerometers over g, mounting",
-    )
-    gyro_noise = Parameter(
-        "rad/s",
-        start=_DEFAULT["gyro_noise"],
-        min=0.0,
-        display_unit="deg/s",
-        description="wide-band noise of a gyro sample (thesis Table 3.2, Table 4.4 sigma_p, sigma_q, sigma_r)",
-    )
-    alpha = Parameter(
-        "1", start=3.0, min=0.0, description="tuning factor on the gyro noise (thesis (4.39); Table 4.4 has 10)"
-    )
-    gyro_scale_sigma = Parameter(
-        "1",
-        start=_DEFAULT["gyro_scale_sigma"],
-        min=0.0,
-        description="standard deviation of the gyros' scale factor error",
-    )
-    gyro_null_shift_sigma = Parameter(
-        "rad/s",
-        start=_DEFAULT["gyro_null_shift_sigma"],
-        min=0.0,
-        display_unit="deg/s",
-        description="standard deviation of the gyros' null shift",
-    )
-    gyro_drift_sigma = Parameter(
-        "rad/s",
-        start=_DEFAULT["gyro_drift_sigma"],
-        min=0.0,
-        display_unit="deg/s",
-        description="standard deviation of the gyro drift (thesis Table 3.2, Table 4.4 sigma_w)",
-    )
-    gyro_drift_time = Parameter(
-        "s", start=_DEFAULT["gyro_drift_time"], min=1.0, description="correlation time of the drift (thesis Table 3.2)"
-    )
     tilt_sigma = Parameter(
         "rad",
         start=np.radians(4.0),
@@ -241,27 +121,6 @@ class Ahrs(Component):
         display_unit="deg",
         description="tilt_sigma without air data: accelerations of 0.25 m/s2 for 15 s at a time",
     )
-    airspeed = Parameter(
-        "m/s", start=60.0, min=0.0, display_unit="kn", description="airspeed that is assumed before there is air data"
-    )
-    airspeed_time = Parameter(
-        "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
-    )
-    blind_airspeed_sigma = Parameter(
-        "m/s",
-        start=10.0,
-        min=0.0,
-        display_unit="kn",
-        description="standard deviation of the airspeed without air data (own choice)",
-    )
-    air_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which air data are lost")
-    field_sigma = Parameter(
-        "1",
-        start=_DEFAULT["field_sigma"],
-        min=1.0e-6,
-        description="error of each component of the direction of a field sample: noise of 1 to 5 mG (thesis Table "
-        "3.3), soft iron",
-    )
     field_window = Parameter(
         "s", start=30.0, min=0.001, description="time over which innovations of the field are summed to find a jump"
     )
@@ -271,110 +130,33 @@ class Ahrs(Component):
         min=1.0,
         description="sigmas beyond which a sum of innovations says that the hard iron has changed",
     )
-    hard_iron_sigma = Parameter(
-        "1",
-        start=_DEFAULT["hard_iron_sigma"],
-        min=0.0,
-        description="hard iron of each axis over the strength of the field: 4 to 7 mG (thesis Fig 3.27) of 480, and "
-        "what the field cannot tell from it",
-    )
-    dip_sigma = Parameter(
-        "rad",
-        start=np.radians(10.0),
-        min=0.0,
-        display_unit="deg",
-        description="error of the first dip, which is read from field and specific force",
-    )
-    dip_walk = Parameter(
-        "rad",
-        start=np.radians(0.02),
-        min=0.0,
-        display_unit="deg",
-        description="random walk of the dip in one second: 1.2 deg in an hour; at 200 m/s to the north it changes by "
-        "twice as much, and crustal anomalies of 140 nT over 10 km are 0.17 deg in 50 s",
-    )
-    gps_sigma = Parameter(
-        "rad",
-        start=ATTITUDE_SIGMA,
-        min=1.0e-6,
-        display_unit="deg",
-        description="standard deviation of GPS attitude (thesis Table 4.2: 0.25 deg)",
-    )
-    gps_timeout = Parameter("s", start=2.0, min=0.0, description="age beyond which GPS attitude is lost")
-    initial_sigma = Parameter(
-        "rad",
-        start=np.radians(5.0),
-        min=0.0,
-        display_unit="deg",
-        description="error of roll and pitch at the initial alignment",
-    )
-
-    attitude = Bundle(
-        roll=Output("rad", display_unit="deg", description="roll"),
-        pitch=Output("rad", display_unit="deg", description="pitch"),
-        heading=Output("rad", display_unit="deg", description="true heading in [-pi, pi)"),
-        yaw_rate=Output("rad/s", display_unit="deg/s", description="rate of heading"),
-        roll_sigma=Output("rad", display_unit="deg", description="standard deviation of roll"),
-        pitch_sigma=Output("rad", display_unit="deg", description="standard deviation of pitch"),
-        heading_sigma=Output("rad", display_unit="deg", description="standard deviation of heading"),
-        description="attitude",
-    )
-    gyro_bias = Output(3, "rad/s", display_unit="deg/s", description="estimated null shift and drift of the gyros")
-    hard_iron = Output(3, "1", description="estimated hard iron over the strength of the field, body axes")
-    dip = Output("rad", display_unit="deg", description="estimated dip of the field, positive down")
-    local_declination = Output("rad", display_unit="deg", description="magnetic declination in use, east positive")
     tilt_noise = Output(
         2, "rad", display_unit="deg", description="learned noise of roll and pitch from one mean specific force"
     )
-
     angles = State(3, "rad", display_unit="deg", description="roll, pitch, heading")
-    sigmas = State(3, "rad", display_unit="deg", description="standard deviations of these")
     covariance = State(66, "1", description="upper triangle of the filter's covariance, row by row; rad, rad/s, m/s")
     rate = State(3, "rad/s", description="last rate less bias")
     force = State(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="last specific force")
-    imu_time = State("s", description="time of validity of the last IMU sample")
     rate_sum = State(3, "rad/s", description="sum of rates less bias since the last aiding")
     force_sum = State(3, "m/s2", description="sum of specific forces since the last aiding")
     tilt_sum = State(2, "rad", description="sums of the tilt residuals, lateral and longitudinal, since they were used")
     sample_count = State(2, "1", description="number of IMU samples in these")
     airspeed_error = State("m/s", description="estimated error of the airspeed")
-    airspeed_seen = State("m/s", description="last airspeed of the instrument")
     airspeed_used = State("m/s", description="airspeed at the last longitudinal aiding")
     airspeed_used_time = State("s", description="its time of validity")
-    had_air = State(kind="boolean", description="there were air data at the last aiding")
     tilt_level = State(2, "1", start=1.0, description="learned variance of the tilt over that of tilt_sigma")
     innovation_sum = State(2, "1", description="sum of innovations over their sigma in this window")
     innovation_count = State(2, "1", description="number of innovations in this window")
     field_misfit = State(4, "1", description="sums of innovations of the field over their sigma, and their number")
     turn_sum = State("rad", description="integral of the size of the yaw rate in this window")
     window_time = State("s", description="time since this window began")
-    field_seen = State(kind="integer", description="sequence number of the last field used")
-    gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
-    gps_time = State("s", start=-1.0e9, description="when it was used")
-    aligned = State(kind="boolean", description="initial alignment has been done")
-    charted = State(kind="boolean", description="the declination is that of a known position")
-    chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
-
-    @require(
-        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
-        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
-    )
-    def model_is_valid(self):
-        return magnetic_field.known(self.date)
-
-    @start
-    def assume(self):
-        self.airspeed_seen = self.airspeed
-        self.local_declination = self.declination
-
-    @on_new("air")
-    def take_air(self):
-        self.airspeed_seen = np.where(self.air.valid, self.air.true_airspeed, self.airspeed_seen)
 
     @on_new("imu")
     def integrate(self):
         step = np.maximum(self.imu.time_of_validity - self.imu_time, 0.0)
-        rate = self.imu.rate - self.gyro_bias
+        known = self.imu_told()
+        rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
+        force = np.where(known, self.imu.specific_force, self.force)
         # the angles are still those at the last sample
         airspeed = self.airspeed_seen - self.airspeed_error
         residuals = ahrs.tilt_residuals(self.force, airspeed, self.rate, self.angles[0], self.angles[1])
@@ -383,10 +165,10 @@ class Ahrs(Component):
         self.angles = np.stack([moved[0], moved[1], attitude.wrap(moved[2])])
         self.tilt_sum = self.tilt_sum + residuals
         self.sample_count = self.sample_count + 1.0
-        self.force_sum = self.force_sum + self.imu.specific_force
+        self.force_sum = self.force_sum + force
         self.rate_sum = self.rate_sum + rate
         self.rate = rate
-        self.force = self.imu.specific_force
+        self.force = force
         self.imu_time = self.imu.time_of_validity
         self.attitude.publish(
             roll=self.angles[0],
@@ -396,23 +178,15 @@ class Ahrs(Component):
             roll_sigma=self.sigmas[0],
             pitch_sigma=self.sigmas[1],
             heading_sigma=self.sigmas[2],
-            valid=np.logical_and(self.aligned, self.imu.valid),
+            valid=self.aligned & self.imu.valid & known,
             time_of_validity=self.imu.time_of_validity,
         )
 
     @every("chart_period")
     def look_up(self):
-        here = self.position
-        field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
-        charted = magnetic_field.declination(field_n)
-        # what the field has said of heading, it has said from magnetic north; along the flight the filter has followed
-        found = here.valid & np.logical_not(self.charted)
+        _, turned = self.chart()
         roll, pitch, heading = self.angles
-        turned = attitude.wrap(heading + np.where(found, charted - self.local_declination, 0.0))
-        self.angles = np.stack([roll, pitch, turned])
-        self.local_declination = np.where(here.valid, charted, self.local_declination)
-        self.chart_sigma = magnetic_field.declination_sigma(field_n, self.date)
-        self.charted = here.valid
+        self.angles = np.stack([roll, pitch, attitude.wrap(heading + turned)])
 
     @every("aiding_period")
     def aid(self):
@@ -421,7 +195,7 @@ class Ahrs(Component):
         force, rate = self.force_sum / count[0], self.rate_sum / count[0]
 
         # airspeed: a new one has a new error
-        fresh = self.air.valid & (self.time - self.air.time_of_validity <= self.air_timeout + 1.0e-6)
+        fresh = self.fresh_air()
         back = fresh & np.logical_not(self.had_air)
         airspeed_error = np.where(back, 0.0, self.airspeed_error)
         airspeed = self.airspeed_seen - airspeed_error
@@ -431,8 +205,7 @@ class Ahrs(Component):
         speeding = np.where(fresh, (self.airspeed_seen - self.airspeed_used) / np.where(changed, since, 1.0), 0.0)
 
         # initial alignment
-        due = self.field.time_of_validity <= self.time + 1.0e-6
-        new_field = self.field.valid & (self.field.sequence != self.field_seen) & due
+        new_field = self.new_field()
         direction = self.field.field_b / np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
         turning = ahrs.turning_acceleration(np.where(fresh, airspeed, 0.0), rate)
@@ -498,9 +271,7 @@ class Ahrs(Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        age = self.time - self.gps.time_of_validity
-        come = self.gps.valid & (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6) & np.isfinite(np.sum(told))
-        new_gps = come & (self.gps.sequence != self.gps_seen)
+        new_gps, age = self.new_gps()
         then = angles - turning_rates * age
         correction, covariance = ahrs.angle_updates(
             correction, covariance, attitude.wrap(told - then), self.gps_sigma**2, new_gps
@@ -524,8 +295,8 @@ class Ahrs(Component):
         self.angles = np.where(begin, self.angles, np.stack([attitude.wrap(roll), pitch, attitude.wrap(heading)]))
         self.covariance = np.where(begin, 0.0, covariance)
         self.dip = np.where(begin, 0.0, dip)
+        self.rate = self.rate + np.where(begin, self.gyro_bias, -correction[3:6])
         self.gyro_bias = np.where(begin, np.zeros(3), self.gyro_bias + correction[3:6])
-        self.rate = np.where(begin, self.imu.rate, self.rate - correction[3:6])
         self.hard_iron = np.where(begin, np.zeros(3), self.hard_iron + correction[ahrs.IRON])
         self.airspeed_error = np.where(begin, 0.0, airspeed_error + correction[ahrs.AIRSPEED])
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
@@ -547,8 +318,5 @@ class Ahrs(Component):
         self.airspeed_used_time = self.air.time_of_validity
         self.had_air = fresh
 
-        uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
-        unseen = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
-        unseen = np.where(self.time - self.gps_time <= self.gps_timeout, 0.0, unseen)
-        self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + unseen**2)
+        self.sigmas = np.sqrt(np.maximum(kalman.diagonal(self.covariance)[:3], 0.0) + self.unseen() ** 2)
         self.tilt_noise = sigma * np.sqrt(self.tilt_level)

@@ -6,15 +6,12 @@ import numpy as np
 
 from fmus import examples
 from fmus.attitude.ahrs import Ahrs
-from fmus.grades import ahrs_parameters
+from fmus.attitude.interface import Instrument
 from models.attitude import ahrs, attitude, quaternion, vectors
-from models.magnetic import magnetic_field
-from navfmu.export import Component, Example, Output, Parameter, State, every, on_new, require, start
-
-_DEFAULT = ahrs_parameters("automotive")
+from navfmu.export import Component, Example, Output, Parameter, State, every, on_new, start
 
 
-class AhrsVectors(Component):
+class AhrsVectors(Instrument, Component):
     """Attitude from one sample of field and specific force, by vector matching alone.
 
     Thesis section 4.9. With every new field the attitude is looked for that matches two vectors in b with what they are
@@ -56,14 +53,6 @@ class AhrsVectors(Component):
         panels=examples.ahrs_panels,
     )
 
-    imu = Ahrs.imu
-    field = Ahrs.field
-    air = Ahrs.air
-    position = Ahrs.position
-    gps = Ahrs.gps
-
-    sample_period = Ahrs.sample_period
-    declination = Ahrs.declination
     first_dip = Parameter(
         "rad",
         start=np.radians(61.2),
@@ -72,22 +61,10 @@ class AhrsVectors(Component):
         display_unit="deg",
         description="dip of the field, positive down, until there is a position; 61.2 deg at Livermore by the WMM2025",
     )
-    declination_sigma = Ahrs.declination_sigma
-    chart_period = Ahrs.chart_period
-    date = Ahrs.date
-    mounting_sigma = Ahrs.mounting_sigma
-    level_sigma = Ahrs.level_sigma
     gain = Parameter("1", start=0.1, min=0.0, max=2.0, description="share of a correction that is taken (thesis alpha)")
     iterations = Parameter(kind="integer", start=100, min=1, max=1000, description="number of iterations (thesis: 100)")
     level_start = Parameter(
         kind="boolean", start=True, description="whether to begin with level and needle; false: with (1, 0, 0, 0)"
-    )
-    field_sigma = Parameter(
-        "rad",
-        start=float(np.hypot(_DEFAULT["field_sigma"], _DEFAULT["hard_iron_sigma"])),
-        min=1.0e-6,
-        display_unit="deg",
-        description="error of the direction of a field sample, each component: noise, soft and hard iron",
     )
     tilt_sigma = Parameter(
         "rad",
@@ -98,8 +75,6 @@ class AhrsVectors(Component):
         "backup navigator's flight",
     )
     blind_tilt_sigma = Ahrs.blind_tilt_sigma
-    airspeed = Ahrs.airspeed
-    air_timeout = Ahrs.air_timeout
     speeding_time = Parameter(
         "s",
         start=10.0,
@@ -107,7 +82,6 @@ class AhrsVectors(Component):
         description="lag against which the airspeed's change is seen: what is faster is taken for gusts along",
     )
 
-    attitude = Ahrs.attitude
     misfit = Output(
         "rad",
         display_unit="deg",
@@ -116,21 +90,9 @@ class AhrsVectors(Component):
     residual = Output(
         "rad", display_unit="deg", description="largest angle that is left between a matched vector and the known one"
     )
-    local_declination = Ahrs.local_declination
-    dip = Output("rad", display_unit="deg", description="dip of the field in use, positive down")
 
-    airspeed_seen = Ahrs.airspeed_seen
     airspeed_slow = State("m/s", description="airspeed through a lag of speeding_time")
     air_time = State("s", start=-1.0e9, description="time of validity of the last airspeed")
-    charted = Ahrs.charted
-    chart_sigma = Ahrs.chart_sigma
-
-    @require(
-        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
-        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
-    )
-    def model_is_valid(self):
-        return magnetic_field.known(self.date)
 
     @start
     def assume(self):
@@ -140,18 +102,13 @@ class AhrsVectors(Component):
 
     @every("chart_period")
     def look_up(self):
-        here = self.position
-        field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
+        field_n, _ = self.chart()
         down = np.arctan2(field_n[2], np.sqrt(field_n[0] * field_n[0] + field_n[1] * field_n[1]))
-        charted = here.valid & np.isfinite(np.sum(field_n))
-        self.local_declination = np.where(charted, magnetic_field.declination(field_n), self.local_declination)
-        self.dip = np.where(charted, down, self.dip)
-        self.chart_sigma = np.where(charted, magnetic_field.declination_sigma(field_n, self.date), self.chart_sigma)
-        self.charted = charted
+        self.dip = np.where(self.charted, down, self.dip)
 
     @on_new("air")
     def take_air(self):
-        told = self.air.valid & np.isfinite(self.air.true_airspeed)
+        told = self.air_told()
         since = self.air.time_of_validity - self.air_time
         follows = np.abs(since) <= self.air_timeout + 1.0e-6
         share = np.where(follows, -np.expm1(-np.maximum(since, 0.0) / self.speeding_time), 1.0)
@@ -170,7 +127,8 @@ class AhrsVectors(Component):
         strength, weight = ahrs.length(self.field.field_b), ahrs.length(minus_g)
         measured = np.stack([self.field.field_b / np.maximum(strength, 1.0e-12), minus_g / np.maximum(weight, 1.0e-9)])
         known = np.stack([ahrs.field_n(self.dip, self.local_declination), np.array([0.0, 0.0, -1.0])])
-        sigmas = np.stack([self.field_sigma, np.where(fresh, self.tilt_sigma, self.blind_tilt_sigma)])
+        needle = np.hypot(self.field_sigma, self.hard_iron_sigma)
+        sigmas = np.stack([needle, np.where(fresh, self.tilt_sigma, self.blind_tilt_sigma)])
 
         level_roll, level_pitch = ahrs.level(measured[1], np.zeros(3))
         magnetic, _ = ahrs.levelled_heading(measured[0], level_roll, level_pitch)
@@ -182,11 +140,9 @@ class AhrsVectors(Component):
         c_nb = quaternion.dcm(q)
         roll, pitch, heading = attitude.euler(c_nb)
         information = vectors.spread(known, weights)
-        uncharted = ahrs.declination_at(self.declination_sigma, self.dip)
-        still = ahrs.unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
-        squares = vectors.variances(information, c_nb, roll, pitch) + still**2
+        squares = vectors.variances(information, c_nb, roll, pitch) + self.still() ** 2
         known_well = (np.min(squares) >= 0.0) & (np.max(squares) < np.pi * np.pi)
-        seen = self.imu.valid & self.field.valid & (strength > 1.0e-12) & (weight > 1.0e-9)
+        seen = self.imu.valid & self.imu_told() & self.field_told() & (strength > 1.0e-12) & (weight > 1.0e-9)
         found = seen & known_well & vectors.apart(known) & vectors.apart(measured)
         yaw_rate = attitude.euler_rates(self.imu.rate, roll, pitch)[2]
         angles = np.stack([roll, pitch, attitude.wrap(heading), yaw_rate, *np.sqrt(np.maximum(squares, 0.0))])

@@ -8,11 +8,10 @@ from fmus import examples
 from fmus.attitude.interface import Reference
 from models.attitude import ahrs_velocity as filter_
 from models.attitude import attitude, quaternion
-from models.attitude.ahrs import declination_at, length, level, levelled_heading, turning_acceleration, unseen
+from models.attitude.ahrs import length, level, levelled_heading, turning_acceleration
 from models.filters import kalman
-from models.magnetic import magnetic_field
 from navfmu.constants import STANDARD_GRAVITY
-from navfmu.export import Component, Example, Parameter, ParameterSet, State, every, on_new, require, start
+from navfmu.export import Component, Example, Parameter, ParameterSet, State, every, on_new
 
 HAND = ParameterSet(
     "A sensor of a few grams that is held by hand and stays where it is, with a magnetometer that is calibrated, "
@@ -132,47 +131,20 @@ class AhrsVelocity(Reference, Component):
     strength = State("1", description="strength of the field over that at first, less 1")
     first_strength = State("T", start=1.0, description="strength at first")
     covariance = State(210, "1", description="upper triangle of the filter's covariance, row by row")
-    sigmas = State(3, "rad", display_unit="deg", description="standard deviations of roll, pitch and heading")
     rate = State(3, "rad/s", description="last rate less bias")
     force = State(3, "m/s2", start=(0, 0, -STANDARD_GRAVITY), description="last specific force")
-    imu_time = State("s", description="time of validity of the last IMU sample")
     since = State("s", description="time that is summed since the last aiding")
     force_sum = State(3, "m/s", description="integral of the specific force in n")
     felt_sum = State(3, "m/s", description="integral of the specific force in b")
     turned_sum = State(3, "rad", description="integral of the rate in b")
     dcm_sum = State((3, 3), "s", description="integral of C_nb")
     square_sum = State(3, "1", description="integral of the squares of the rates in n, rad^2/s")
-    airspeed_seen = State("m/s", description="last airspeed of the instrument")
-    had_air = State(kind="boolean", description="there were air data at the last aiding")
-    field_seen = State(kind="integer", description="sequence number of the last field used")
-    field_at = State("s", start=-1.0e9, description="its time of validity")
-    gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
-    gps_time = State("s", start=-1.0e9, description="when it was used")
-    aligned = State(kind="boolean", description="initial alignment has been done")
-    charted = State(kind="boolean", description="the declination is that of a known position")
-    chart_sigma = State("rad", display_unit="deg", description="error of the declination at that position")
-
-    @require(
-        "the date {date} is outside the validity of every World Magnetic Model that is known here: those of 2010, "
-        "2015, 2020 and 2025 are valid from 2010.0 to 2030.0"
-    )
-    def model_is_valid(self):
-        return magnetic_field.known(self.date)
-
-    @start
-    def assume(self):
-        self.airspeed_seen = self.airspeed
-        self.local_declination = self.declination
-
-    @on_new("air")
-    def take_air(self):
-        known = self.air.valid & np.isfinite(self.air.true_airspeed)
-        self.airspeed_seen = np.where(known, self.air.true_airspeed, self.airspeed_seen)
+    field_at = State("s", start=-1.0e9, description="time of validity of the last field used")
 
     @on_new("imu")
     def integrate(self):
         step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
-        known = np.isfinite(np.sum(self.imu.rate) + np.sum(self.imu.specific_force))
+        known = self.imu_told()
         rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
         force = np.where(known, self.imu.specific_force, self.force)
         mean = 0.5 * (rate + self.rate)
@@ -203,18 +175,11 @@ class AhrsVelocity(Reference, Component):
 
     @every("chart_period")
     def look_up(self):
-        here = self.position
-        field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
-        charted = magnetic_field.declination(field_n)
-        found = here.valid & np.logical_not(self.charted)
-        by = np.where(found, attitude.wrap(charted - self.local_declination), 0.0)
-        turn = quaternion.of_rotation(by * np.array([0.0, 0.0, 1.0]))
+        _, turned = self.chart()
+        turn = quaternion.of_rotation(attitude.wrap(turned) * np.array([0.0, 0.0, 1.0]))
         self.turn = quaternion.product(turn, self.turn)
         self.velocity = quaternion.dcm(turn) @ self.velocity
         self.force_sum = quaternion.dcm(turn) @ self.force_sum
-        self.local_declination = np.where(here.valid, charted, self.local_declination)
-        self.chart_sigma = magnetic_field.declination_sigma(field_n, self.date)
-        self.charted = here.valid
 
     @every("aiding_period")
     def aid(self):
@@ -224,15 +189,13 @@ class AhrsVelocity(Reference, Component):
         rate = self.turned_sum / over
         air_sigmas = self.flow_sigma * np.ones(2)
 
-        fresh = self.air.valid & (self.time - self.air.time_of_validity <= self.air_timeout + 1.0e-6)
+        fresh = self.fresh_air()
         back = fresh & np.logical_not(self.had_air)
         airspeed_sigma = np.where(fresh, self.air.true_airspeed_sigma, self.blind_airspeed_sigma)
         flow_sigmas = np.concatenate([np.reshape(airspeed_sigma, (1,)), air_sigmas])
 
         # initial alignment
-        due = self.field.time_of_validity <= self.time + 1.0e-6
-        come = self.field.valid & np.isfinite(np.sum(self.field.field_b))
-        new_field = come & (self.field.sequence != self.field_seen) & due
+        new_field = self.new_field()
         strength = np.maximum(length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
         turning = turning_acceleration(np.where(fresh, self.airspeed_seen, 0.0), rate)
@@ -323,9 +286,7 @@ class AhrsVelocity(Reference, Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        age = self.time - self.gps.time_of_validity
-        come = self.gps.valid & (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6) & np.isfinite(np.sum(told))
-        new_gps = come & (self.gps.sequence != self.gps_seen)
+        new_gps, age = self.new_gps()
         told = quaternion.of_euler(*np.where(new_gps, told, 0.0))
         then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_gps, age, 0.0)))
         expected, matrix = filter_.rows(filter_.turn_seen, then, told)
@@ -362,8 +323,5 @@ class AhrsVelocity(Reference, Component):
         self.square_sum = none
         self.dcm_sum = np.zeros((3, 3))
 
-        uncharted = declination_at(self.declination_sigma, self.dip)
-        still = unseen(self.level_sigma, self.mounting_sigma, np.where(self.charted, self.chart_sigma, uncharted))
-        still = np.where(self.time - self.gps_time <= self.gps_timeout, 0.0, still)
         _, pitch, heading = attitude.euler(quaternion.dcm(self.turn))
-        self.sigmas = np.sqrt(filter_.euler_sigmas(self.covariance, heading, pitch) ** 2 + still**2)
+        self.sigmas = np.sqrt(filter_.euler_sigmas(self.covariance, heading, pitch) ** 2 + self.unseen() ** 2)

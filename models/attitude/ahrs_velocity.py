@@ -30,6 +30,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.attitude import attitude, quaternion
+from models.attitude.ahrs import field_n
 from models.filters import kalman
 from navfmu.constants import STANDARD_GRAVITY
 from navfmu.derivatives import value_and_jacobian
@@ -40,11 +41,6 @@ MOVING, DRIVING = 9, 12
 TURN, VELOCITY, PLACE, BIAS, IRON = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12), slice(12, 15)
 DIP, STRENGTH, FLOW = 15, 16, slice(17, 20)
 GRAVITY_N = np.array([0.0, 0.0, STANDARD_GRAVITY])
-
-
-def field_n(dip, declination):
-    """Direction of Earth's field in n."""
-    return np.stack([np.cos(dip) * np.cos(declination), np.cos(dip) * np.sin(declination), np.sin(dip)])
 
 
 def transition(mean_dcm, force_sum, time, placed):

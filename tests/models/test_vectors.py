@@ -27,6 +27,7 @@ THESIS = {
     "first_dip": DIP,
     "declination": DECLINATION,
     "field_sigma": 1e-3 * GAUSS / STRENGTH,
+    "hard_iron_sigma": 0.0,
     "blind_tilt_sigma": 1e-3,
     "level_sigma": 0.0,
     "mounting_sigma": 0.0,
