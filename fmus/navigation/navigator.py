@@ -11,6 +11,7 @@ from models.air import turbulence
 from models.filters import kalman
 from models.navigation import navigator
 from models.processes import gauss_markov
+from models.processes.known import known, told
 from models.radio import dme
 from models.satellite import gps
 from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
@@ -318,6 +319,14 @@ class Navigator(stations.StationTable, Component):
     )
     astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
 
+    def attitude_told(self):
+        """Whether there is a heading, and what it is worth."""
+        return told(self.attitude.valid, self.attitude.heading, self.attitude.yaw_rate, self.attitude.heading_sigma)
+
+    def air_told(self):
+        """Whether there is an airspeed, and what it is worth."""
+        return told(self.air.valid, self.air.true_airspeed, self.air.true_airspeed_sigma)
+
     def error_model(self, speed, seen):
         """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed`` of each
         filter, shape (2, states); ``seen``: there are heading and airspeed."""
@@ -327,8 +336,8 @@ class Navigator(stations.StationTable, Component):
             [
                 self.wind_sigma * np.ones((2, 2)),
                 self.wind_mean_sigma * np.ones((2, 2)),
-                np.hypot(self.air.true_airspeed_sigma, doubt)[:, None],
-                np.hypot(self.attitude.heading_sigma * self.air.true_airspeed, doubt)[:, None],
+                np.hypot(known(self.air.true_airspeed_sigma, 0.0), doubt)[:, None],
+                np.hypot(known(self.attitude.heading_sigma * self.air.true_airspeed, 0.0), doubt)[:, None],
                 self.bias_sigma * np.ones((2, PLACES)),
             ],
             -1,
@@ -374,7 +383,7 @@ class Navigator(stations.StationTable, Component):
     @every("update_period")
     def dead_reckon(self):
         step = self.period
-        seen = np.logical_and(self.attitude.valid, self.air.valid)
+        seen = self.attitude_told() & self.air_told()
         before = self.air_velocity + self.wind
         sigmas, times = self.error_model(np.sqrt(np.sum(before * before, axis=-1)), seen)
         decay = np.exp(-step / times)
@@ -402,7 +411,9 @@ class Navigator(stations.StationTable, Component):
         self.nose = heading
         self.airspeed = airspeed
 
-        pressure_altitude = np.where(self.air.valid, self.air.pressure_altitude, self.pressure_altitude)
+        pressure_altitude = np.where(
+            told(self.air.valid, self.air.pressure_altitude), self.air.pressure_altitude, self.pressure_altitude
+        )
         rise = np.where(self.had_air, pressure_altitude - self.pressure_altitude, 0.0)
         self.climb = self.climb + (rise - self.climb * step) / np.maximum(self.climb_time, step)
         self.pressure_altitude = pressure_altitude
@@ -412,7 +423,8 @@ class Navigator(stations.StationTable, Component):
 
     @on_new("fix")
     def take_fix(self):
-        good = self.fix.valid
+        fix = self.fix
+        good = told(fix.valid, fix.latitude, fix.longitude, fix.altitude, fix.velocity_n)
         first = np.logical_and(good, np.logical_not(self.initialised))
         start = np.concatenate([self.fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
         latitude = np.where(first, self.fix.latitude, self.latitude)
@@ -497,7 +509,8 @@ class Navigator(stations.StationTable, Component):
         )
         north, east, distance = self.sights(latitude, longitude)
         wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
-        measured = self.ranging.measured & (np.arange(PLACES) < self.station_count) & wanted
+        there = np.isfinite(self.ranging.slant_range) & (np.arange(PLACES) < self.station_count)
+        measured = self.ranging.measured & there & wanted
         innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
         doubted = self.doubted
 

@@ -16,6 +16,12 @@ from navfmu.export import Component, Example, Input, Output, Parameter, State, o
 
 NEVER = -1e9
 """s."""
+OF_EACH = (
+    "pseudorange", "range_rate", "signal_to_noise", "satellite_clock", "satellite_clock_rate", "accuracy", "correction",
+    "correction_sigma",
+)  # fmt: skip
+VECTORS = ("satellite_e", "satellite_velocity_e")
+"""What is passed on of each satellite; where one of its numbers is none, it is not tracked."""
 
 
 class GpsDifferential(Component):
@@ -123,21 +129,27 @@ class GpsDifferential(Component):
         tag = np.where(come, self.sent_tag, self.received_tag)
         age = gps_time.elapsed(s.week, s.seconds, tag[0], tag[1])
         correction, rate, there = message @ np.where(_of(s.number), 1.0, 0.0).T
-        corrected = s.tracked & (there > 0.5) & (np.abs(age) <= self.timeout)
+        vectors = np.sum(s.satellite_e + s.satellite_velocity_e, axis=1)
+        whole = np.isfinite(sum(getattr(s, name) for name in OF_EACH) + vectors)
+        tracked = s.tracked & whole
+        corrected = tracked & (there > 0.5) & (np.abs(age) <= self.timeout)
         count = np.sum(np.where(corrected, 1, 0))
         enough = count >= self.least_satellites
         correction = correction + np.where(self.carried, rate * age, 0.0)
-        same = ("week", "seconds", "number", "pseudorange", "range_rate", "signal_to_noise", "accuracy")
-        more = ("satellite_e", "satellite_velocity_e", "satellite_clock", "satellite_clock_rate")
+        passed = {name: np.where(whole, getattr(s, name), 0.0) for name in OF_EACH}
+        passed |= {name: np.where(whole[:, None], getattr(s, name), 0.0) for name in VECTORS}
+        passed["correction"] = np.where(enough, np.where(corrected, correction, 0.0), passed["correction"])
+        passed["correction_sigma"] = np.where(enough, 0.0, passed["correction_sigma"])
         self.satellites = np.where(enough, count, 0)
         self.age = np.where(enough, age, 0.0)
         self.differential.publish(
-            **{name: getattr(s, name) for name in (*same, *more)},
-            tracked=np.where(enough, corrected, s.tracked),
-            correction=np.where(enough, np.where(corrected, correction, 0.0), s.correction),
-            correction_sigma=np.where(enough, 0.0, s.correction_sigma),
+            **passed,
+            week=s.week,
+            seconds=s.seconds,
+            number=s.number,
+            tracked=np.where(enough, corrected, tracked),
             corrected=np.where(enough, corrected, s.corrected),
-            valid=s.valid,
+            valid=s.valid & np.isfinite(s.seconds),
             time_of_validity=s.time_of_validity,
         )
 
