@@ -30,7 +30,12 @@ COMPONENTS = (
 RECEIVERS = {"two_receivers": 2, "scanning": 3}
 """Variants by the mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
 BASE_GRADE = "automotive"
-FMUS = (*COMPONENTS, "gps_signals", "gps_solver")
+ATTITUDES = {
+    "ahrs_velocity": "a quaternion, whose level comes from the airspeed's velocity",
+    "ahrs_vectors": "field and gravity matched sample by sample, without gyros' memory",
+}
+"""Variants with another FMU in the place of ``ahrs``."""
+FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES)
 """Those of all variants."""
 POSITION = ("latitude", "longitude", "altitude")
 ANGLES = ("roll", "pitch", "heading")
@@ -117,6 +122,8 @@ def add_variants(system: SystemSource) -> None:
         connections={"ahrs.gps": "gps.attitude"},
         description="three GPS antennas: their attitude calibrates gyros and hard iron, thesis section 4.11",
     )
+    for name, words in ATTITUDES.items():
+        system.variant(name, components={"ahrs": f"{name}.fmu"}, description=f"attitude by {name}: {words}")
     system.variant(
         "gps_signals",
         components={"gps": "gps_signals.fmu", "gps_solver": "gps_solver.fmu"},

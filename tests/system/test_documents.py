@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 from navfmu.errors import NavfmuError
-from system_ssp.backup_navigator.system import RECEIVERS, source
+from system_ssp.backup_navigator.system import ATTITUDES, RECEIVERS, source
 
 FOLDER = Path(__file__).parents[2] / "system_ssp" / "backup_navigator"
 SCHEMAS = Path(fmpy.ssp.__file__).parent / "schema"
@@ -95,6 +95,11 @@ def test_every_variant_loads_alone_and_differs_from_the_base_where_it_says(load,
                 }
                 | CONNECTED[variant]
             )
+            continue
+        if variant in ATTITUDES:
+            others = {name for name, it in system.descriptions.items() if it.guid != base.descriptions[name].guid}
+            assert others == {"ahrs"} and system.descriptions["ahrs"].model_identifier == variant
+            assert joined(files[f"{variant}.ssd"]) == joined(files["SystemStructure.ssd"])
             continue
         if variant == "shared_bias":
             assert changed == {"dme.receiver_share"}
