@@ -40,7 +40,10 @@ class Native:
         parameters: dict[str, Any] | None = None,
         inputs: Callable[[float], dict[str, Any]] | None = None,
     ) -> dict[str, np.ndarray]:
-        """Values at 0, step, ... stop; inputs are set before each step (those that change)."""
+        """Values at 0, step, ... stop, of reals and single integers.
+
+        Inputs are set before each step (those that change).
+        """
         fmu = self.fmu
         fmu.reset()
         fmu.setupExperiment(startTime=0.0)
@@ -48,22 +51,32 @@ class Native:
             self._set(fmu, name, value)
         fmu.enterInitializationMode()
         fmu.exitInitializationMode()
-        fields = [self.fields[name] for name in record]
-        references = [i for f in fields for i in range(f.index, f.index + f.size)]
         count = round(stop / step)
+        wanted = [self.fields[name] for name in record]
+        fields = [field for field in wanted if field.type == "Real"]
+        counted = [field for field in wanted if field.type == "Integer"]
+        numbered = {field.name: np.empty(count + 1) for field in counted}
+
+        def look(k: int) -> None:
+            for field in counted:
+                numbered[field.name][k] = fmu.getInteger([field.index])[0]
+
+        references = [i for f in fields for i in range(f.index, f.index + f.size)]
         values = np.empty((count + 1, len(references)))
         # FMPy's lists would take most of the time: one array of references, the rows of the result as buffers
         numbers = (c_uint * len(references))(*references)
         rows = [(c_double * len(references)).from_buffer(row) for row in values]
         fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[0])
+        look(0)
         for k in range(count):
             if inputs is not None:
                 for name, value in inputs(k * step).items():
                     self._set(fmu, name, value)
             fmu.fmi2DoStep(fmu.component, k * step, step, 1)
             fmu.fmi2GetReal(fmu.component, numbers, len(references), rows[k + 1])
+            look(k + 1)
         fmu.terminate()
-        result, column = {"time": np.arange(count + 1) * step}, 0
+        result, column = {"time": np.arange(count + 1) * step, **numbered}, 0
         for field in fields:
             block = values[:, column : column + field.size]
             result[field.name] = block if field.shape else block[:, 0]
