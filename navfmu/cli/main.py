@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 import click
 
 from navfmu import __version__
-from navfmu.errors import nearest
+from navfmu.cli.group import Group
 from navfmu.terminal import interrupt, refusal
 
 COMMANDS = {  # command -> module, and its line in the list of commands
     "allan": ("navfmu.cli.allan", "Tell the errors of an inertial unit at rest apart."),
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
+    "calibrate": ("navfmu.cli.calibrate", "Find the errors of a sensor in a recording."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
     "coverage": ("navfmu.cli.coverage", "Show how many stations are heard, and how they cross."),
     "faults": ("navfmu.cli.faults", "Show what in a system can fail, and how."),
@@ -32,23 +32,10 @@ COMMANDS = {  # command -> module, and its line in the list of commands
 }
 
 
-class _Commands(click.Group):
+class _Commands(Group):
     """Commands; a problem that the user can mend is one sentence and exit code 2."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        return importlib.import_module(COMMANDS[name][0]).command if name in COMMANDS else None
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, line) for name, (_, line) in COMMANDS.items()])
-
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[Any, Any, list[str]]:
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            raise click.UsageError(f"there is no command '{args[0]}'{nearest(args[0], COMMANDS)}", ctx)
-        return super().resolve_command(ctx, args)
+    modules = COMMANDS
 
     def invoke(self, ctx: click.Context) -> Any:
         with interrupt.as_a_sentence():

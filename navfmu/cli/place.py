@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 
-def place(near):
-    """Latitude and longitude in rad of ``--near``, checked."""
+def place(near, option="--near"):
+    """Latitude and longitude in rad of an option, checked."""
     from navfmu.errors import NavfmuError
 
     latitude, longitude = near
     if not -89.0 <= latitude <= 89.0 or not -180.0 <= longitude <= 180.0:
         raise NavfmuError(
-            f"--near is {latitude:g} {longitude:g}; expected degrees, latitude of -89 to 89, longitude of -180 to 180"
+            f"{option} is {latitude:g} {longitude:g}; expected degrees, latitude of -89 to 89, longitude of -180 to 180"
         )
     return math.radians(latitude), math.radians(longitude)
 

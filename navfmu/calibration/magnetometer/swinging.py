@@ -1,0 +1,86 @@
+"""Swinging: calibration in the heading domain (CHD), thesis (3.51)-(3.55).
+
+Level, at known headings psi, the needle psi^ = atan2(-B_y, B_x) errs by
+
+    psi^ - psi = A + B sin psi + C cos psi + D sin 2 psi + E cos 2 psi,                              (3.52)
+
+    B = -dB_x / H,  C = -dB_y / H,  A = (a_xy - a_yx) / 2,  D = (a_yy - a_xx) / 2,  E = -(a_xy + a_yx) / 2.
+
+(3.51) lacks the sign between its last two terms and has other indices in A, D and E; these follow from (3.48)-(3.50). A
+mounting of the triad turned by an angle is in A, as (3.55) says. The mean of the gains is not told by headings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfmu.errors import NavfmuError
+
+LIMIT = np.radians(2.5)
+"""Standard deviation of the corrected heading that a swing may leave at any heading."""
+LETTERS = "ABCDE"
+
+
+@dataclass(frozen=True)
+class Swing:
+    """``coefficients`` (5,) A to E, rad; ``covariance`` (5, 5); ``left`` (samples,), errors without them, rad."""
+
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    left: np.ndarray
+
+    def corrected(self, needle: np.ndarray) -> np.ndarray:
+        """Headings, rad, of those of the needle: (3.52) solved for psi, in two rounds."""
+        heading = needle
+        for _ in range(2):
+            heading = needle - design(heading) @ self.coefficients
+        return wrap(heading)
+
+    def hard_iron(self, horizontal: float) -> np.ndarray:
+        """dB_x and dB_y, T, in a horizontal field, T."""
+        return -horizontal * self.coefficients[1:3]
+
+    @property
+    def soft_iron(self) -> np.ndarray:
+        """The matrix (2, 2) of a, without the mean of its diagonal."""
+        a, _, _, d, e = self.coefficients
+        return np.array([[-d, a - e], [-a - e, d]])
+
+
+def needle(measured: np.ndarray) -> np.ndarray:
+    """Heading, rad, of level fields (samples, 2 or 3), (2.3)."""
+    return np.arctan2(-measured[:, 1], measured[:, 0])
+
+
+def design(heading: np.ndarray) -> np.ndarray:
+    """Rows (samples, 5) of (3.53)."""
+    sine, cosine = np.sin(heading), np.cos(heading)
+    return np.stack([np.ones_like(sine), sine, cosine, np.sin(2.0 * heading), np.cos(2.0 * heading)], axis=1)
+
+
+def swing(measured: np.ndarray, heading: np.ndarray, source: str) -> Swing:
+    """The coefficients from fields (samples, 3), T, at known headings, rad."""
+    rows, error = design(heading), wrap(needle(measured) - heading)
+    if np.linalg.matrix_rank(rows) < rows.shape[1]:
+        raise NavfmuError(
+            f"{source}: these {len(np.unique(heading))} headings do not tell five coefficients; expected five and "
+            "more, around the compass rose"
+        )
+    coefficients = np.linalg.lstsq(rows, error, rcond=None)[0]
+    left = error - rows @ coefficients
+    spread = float(left @ left) / max(1, len(left) - 5) * np.linalg.inv(rows.T @ rows)
+    around = design(np.radians(np.arange(0.0, 360.0, 5.0)))
+    worst = float(np.sqrt(np.max(np.sum(around @ spread * around, axis=1))))
+    if not worst <= LIMIT:
+        raise NavfmuError(
+            f"{source}: headings would be left with errors of {np.degrees(worst):.2g} deg where the triad was not "
+            f"turned to; expected {np.degrees(LIMIT):g}, and headings all around the compass rose"
+        )
+    return Swing(coefficients, spread, left)
+
+
+def wrap(angle: np.ndarray) -> np.ndarray:
+    """Angles in [-pi, pi), rad."""
+    return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi

@@ -1,0 +1,20 @@
+"""``navfmu calibrate``: errors of a sensor from a recording, a command for each kind of sensor."""
+
+from __future__ import annotations
+
+import click
+
+from navfmu.cli.group import Group
+
+COMMANDS = {
+    "magnetometer": ("navfmu.cli.calibrate_magnetometer", "Hard iron, gains and soft iron of a triad that was turned."),
+}
+
+
+class _Commands(Group):
+    modules = COMMANDS
+
+
+@click.group("calibrate", cls=_Commands)
+def command() -> None:
+    """Find the errors of a sensor in a recording, for tables and for parameter sets."""
