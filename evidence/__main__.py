@@ -27,6 +27,7 @@ SECTIONS = (
     "sensors",
     "jsbsim",
     "expressions",
+    "figures",
     "public_fmus",
     "speed",
 )
@@ -39,7 +40,7 @@ def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
     There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, sensors, jsbsim, expressions,
-    public_fmus and speed.
+    figures, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)

@@ -23,7 +23,8 @@ PACKAGED = tuple("c h so dll dylib fmu ssp ssv toml md txt xsd json j2 js css la
 def stage(folder: Path) -> None:
     """Copy the package and its metadata to an empty ``folder`` and build everything shipped into it."""
     skip = shutil.ignore_patterns("__pycache__", "shipped", "native")
-    shutil.copytree(ROOT / "navfmu", folder / "navfmu", ignore=skip)
+    for package in ("navfmu", "navfmu_figures"):
+        shutil.copytree(ROOT / package, folder / package, ignore=skip)
     for name in ("README.md", "LICENSE"):
         shutil.copy(ROOT / name, folder / name)
     data = ", ".join(f'"**/*.{ending}"' for ending in PACKAGED)

@@ -17,6 +17,7 @@ COMMANDS = {  # command -> module, and its line in the list of commands
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),
     "coverage": ("navfmu.cli.coverage", "Show how many stations are heard, and how they cross."),
     "faults": ("navfmu.cli.faults", "Show what in a system can fail, and how."),
+    "figures": ("navfmu.cli.figures", "Find the figures of a source again, and say where they differ."),
     "info": ("navfmu.cli.info", "Show what an FMU or a system consists of."),
     "new": ("navfmu.cli.new", "Write a component of your own to start from."),
     "orbits": ("navfmu.cli.orbits", "Make a table of orbits of satellites from RINEX, YUMA or SEM files."),

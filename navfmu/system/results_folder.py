@@ -13,6 +13,7 @@ from navfmu.system.result import check_folder
 KINDS = {  # what a folder holds, and the files that say so when all of them are there
     "a campaign": ("campaign.json",),
     "a sweep": ("sweep.json",),
+    "figures": ("figures.json",),
     "a run": ("recording.parquet", "report.html"),
 }
 _ANSWER = re.compile(r"[0-9a-f]{16,}\.json")  # of a run, in a campaign that has been interrupted

@@ -19,6 +19,7 @@ from tests.components import systems
 WORK = {
     "a run": ["run", "{tracker}", "--stop", "1", "--report"],
     "a sweep": ["sweep", "{tracker}", "--stop", "1", "--steps", "0.1,0.2", "--out"],
+    "figures": ["figures", "thesis", "--only", "T26", "--out"],
     "a campaign": ["campaign", "{folder}/campaign.toml", "--out"],
 }
 

@@ -101,6 +101,15 @@ def test_a_test_of_a_system_runs_from_the_wheel_alone(python, tmp_path):
     assert recording.with_name("plot.png").is_file()
 
 
+def test_figures_are_found_again_from_the_wheel_alone(python, tmp_path):
+    """A row that needs a built FMU, and the rows that are listed. Wrong: rows that stand in the checkout alone."""
+    rows = sorted(path.stem.upper() for path in (ROOT / "navfmu_figures" / "thesis").glob("t[0-9]*.py"))
+    listed = call(python.parent / "navfmu", tmp_path, "figures", "--list")
+    assert set(rows) <= set(listed.stdout.split()), listed.stderr
+    found = call(python.parent / "navfmu", tmp_path, "figures", "thesis", "--only", "T30", "--out", "figures")
+    assert found.returncode == 0 and "3 of 3 figures agree" in found.stdout, found.stdout + found.stderr
+
+
 def test_the_command_and_a_recorded_track_work_from_the_wheel_alone(python, tmp_path):
     listed = call(python.parent / "navfmu", tmp_path, "info", "backup_navigator")
     assert listed.returncode == 0 and "navigator" in listed.stdout, listed.stderr

@@ -1,0 +1,182 @@
+"""Rows of the thesis: verdicts follow the data, and what they count is counted another way."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from navfmu import System
+from navfmu.figures import Task, collection
+from navfmu.figures.comparison import AGREES, DIFFERS, EXPLAINED
+from navfmu_figures.thesis import t13, t26, t29, t30, t33
+from tests import built
+
+ROWS = collection.collection("thesis").rows
+
+
+def verdicts(comparisons):
+    return [one.verdict for one in comparisons]
+
+
+@pytest.fixture
+def task(tmp_path_factory, tmp_path):
+    def made(*names):
+        return Task(1, tmp_path, {name: built.fmu(name, tmp_path_factory) for name in names})
+
+    return made
+
+
+def test_rows_stand_in_files_of_their_names():
+    for row in ROWS:
+        assert getattr(importlib.import_module(f"navfmu_figures.thesis.{row.name.lower()}"), row.name.lower()) is row
+        assert row.claim.isprintable() and not row.claim.endswith(".") and row.source.startswith("thesis ")
+
+
+# ---- T13 -------------------------------------------------------------------------------------------------------------
+
+
+def test_t13_a_set_of_attitudes_is_found_by_the_fmu_but_for_a_handful(task):
+    """Wrong: axes or units of the recordings, a row that is one sample late: then hardly an attitude is found."""
+    row = next(row for row in ROWS if row.name == "T13")
+    errors = np.abs(t13.drawn(task(*row.fmus)).errors())
+    assert np.sum(errors[:, 0] > t13.LOST) < 18
+    assert np.quantile(errors, 0.99, axis=0) == pytest.approx([1.0, 0.15, 0.15], abs=0.5)
+
+
+def counted(lost, pitch=1.9, roll=2.5):
+    """Sets of 100 attitudes of which so many are lost; half of the sets have these largest errors of pitch and roll."""
+    errors = np.zeros((t13.SETS, 100, 3))
+    errors[:, :lost, 0] = 20.0
+    errors[::2, 0, 1:] = pitch, roll
+    return errors
+
+
+@pytest.mark.parametrize(("lost", "verdict"), [(0, DIFFERS), (1, AGREES), (13, AGREES), (15, DIFFERS)])
+def test_t13_the_printed_count_is_one_of_a_distribution(lost, verdict):
+    """3 or fewer, of 15, and 3 or more, of 0.1, are rarer than once in 2000 times. Wrong: 3 and nothing else."""
+    assert verdicts(t13.not_found(counted(lost))) == [verdict]
+    (one,) = t13.not_found(counted(lost))
+    at_most = sum(math.exp(-one.high) * one.high**k / math.factorial(k) for k in range(4))
+    at_least = 1.0 - sum(math.exp(-one.low) * one.low**k / math.factorial(k) for k in range(3))
+    assert [at_most, at_least] == pytest.approx([0.0005, 0.0005], rel=1e-6)
+
+
+def test_t13_the_printed_largest_errors_lie_among_those_of_the_sets():
+    assert verdicts(t13.largest(counted(3))) == [AGREES, AGREES]
+    assert verdicts(t13.largest(counted(3, pitch=1.7))) == [DIFFERS, AGREES]
+    assert verdicts(t13.largest(counted(3, roll=2.2))) == [AGREES, DIFFERS]
+
+
+def test_t13_what_a_small_gain_leaves_is_that_of_headings_alone_or_more():
+    """Level attitudes, whose iteration is psi - 2 atan(alpha / 2 sin psi). Wrong: an explanation for any count."""
+    psi = np.linspace(0.0, np.pi, 20001)
+    for _ in range(100):
+        psi -= 2.0 * np.arctan(0.005 * np.sin(psi))
+    alone = int(t13.RUNS * np.mean(psi > np.radians(t13.LOST)))
+    assert verdicts(t13.by_gain({0.01: alone, 1.0: 0, 2.0: 2})) == [EXPLAINED, AGREES, AGREES]
+    assert verdicts(t13.by_gain({0.01: int(0.95 * alone), 1.0: alone, 2.0: 20})) == [DIFFERS, DIFFERS, DIFFERS]
+
+
+# ---- T26 -------------------------------------------------------------------------------------------------------------
+
+
+def test_t26_is_found_and_a_mistake_differs():
+    """A square for the root, a line that lies elsewhere. The map of 2.0 is the explanation, not any other figure."""
+    points = t26.around()
+    three, two = t26.dilution(t26.THREE, points), t26.dilution(t26.TWO, points)
+    assert verdicts(t26.compared(three, two, 27.5)) == [AGREES, EXPLAINED, AGREES, AGREES]
+    assert verdicts(t26.compared(three**2, two, 27.5)) == [DIFFERS, DIFFERS, DIFFERS, AGREES]
+    assert verdicts(t26.compared(three, two.T, 27.5))[3] == DIFFERS
+
+
+def test_t26_the_printed_range_is_that_of_a_larger_map():
+    far = t26.reach()
+    largest = [np.max(t26.dilution(t26.THREE, t26.around(side))) for side in (far - 0.5, far)]
+    assert largest[0] < 2.0 <= largest[1]
+
+
+# ---- T29 -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def mechanisms(tmp_path_factory):
+    return t29.mechanisms(System.load(built.fmu("imu", tmp_path_factory)), 1)
+
+
+def test_t29_each_mechanism_has_its_slope(mechanisms):
+    assert verdicts(map(t29.sloped, mechanisms)) == [AGREES] * 7
+
+
+def test_t29_no_mechanism_has_the_slope_of_another(mechanisms):
+    """Wrong: a tolerance that takes in the next slope of the table, 1/2 away, or a tenth of it."""
+    for one in mechanisms:
+        for off in (-0.1, 0.1):
+            wrong = t29.Mechanism(one.name, one.printed + off, one.start, one.end, one.samples, one.bend)
+            assert t29.sloped(wrong).verdict == DIFFERS, one.name
+
+
+def test_t29_a_chart_that_turns_elsewhere_differs():
+    """White noise and a random walk that cross at 300 s, and at 60 s, in closed form."""
+
+    def chart(turn):
+        time = 2.0 ** np.arange(14)
+        variance = (turn / time + time / turn)[:, None]
+        return t29.Chart(1.0, time, variance, 1e5 / time, 1e5 - 2.0 * time)
+
+    one, other = t29.DRIFTS
+    assert verdicts(t29.turned({one: chart(300.0), other: chart(60.0)})) == [AGREES, AGREES]
+    assert verdicts(t29.turned({one: chart(60.0), other: chart(300.0)})) == [DIFFERS, DIFFERS]
+
+
+# ---- T30 -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", t30.CASES)
+def test_t30_angles_walk_as_b10_says(case, tmp_path_factory):
+    """Wrong: T / f_s without its root, the period for the frequency, n - 1 samples at 1 Hz over two of them."""
+    system = System.load(built.fmu("imu", tmp_path_factory))
+    angles = t30.integrated(system, *case, 2)[-1]
+    assert len(angles) == t30.ANGLES
+    assert t30.compared(angles, *case).verdict == AGREES
+    assert t30.compared(1.12 * angles, *case).verdict == DIFFERS
+    assert t30.compared(angles / 1.12, *case).verdict == DIFFERS
+
+
+# ---- T33 -------------------------------------------------------------------------------------------------------------
+
+
+def test_t33_stations_that_are_taken_are_as_many_as_are_needed():
+    """Of 8 stations and 5 airports all sets are tried. Greedy takes 1 + ln 5 times as many at most, mostly as many."""
+    rng = np.random.default_rng(1)
+    same = 0
+    for _ in range(20):
+        heard = rng.uniform(size=(8, 5)) < 0.5
+        need = np.minimum(2, heard.sum(axis=0))
+        fewest = next(
+            k
+            for k in range(9)
+            for some in itertools.combinations(range(8), k)
+            if np.all(heard[list(some)].sum(axis=0) >= need)
+        )
+        left = need.copy()
+        found = t33.taken(heard, left)
+        assert fewest <= found <= 2.7 * fewest and not left.any()
+        same += found == fewest
+    assert same >= 10
+
+
+def test_t33_new_stations_stand_where_no_old_ones_are_heard():
+    """One airport alone, one between three stations. Wrong: new ones where old ones do, or one for all."""
+    country = t33.Country(np.array([[0.0, 0.0], [1e3, 0.0], [0.0, 1e3]]), np.array([[0.0, 500.0], [1e6, 1e6]]))
+    assert [country.needed(least, 457.2) for least in (2, 3)] == [(4, 2), (6, 3)]
+
+
+def test_t33_a_country_twice_as_hard_to_serve_differs():
+    ours = np.array([t33.Country.drawn(np.random.default_rng(seed)).counts() for seed in range(4)])
+    found = verdicts(t33.compared(ours))
+    assert DIFFERS not in found
+    assert verdicts(t33.compared(2 * ours))[1:] == [DIFFERS] * 4
