@@ -43,6 +43,7 @@ PARAMETERS = {
     "first_dip": DIP,
     "declination": DECLINATION,
     "field_sigma": NOISE * GAUSS / STRENGTH,
+    "hard_iron_sigma": 0.0,
     "blind_tilt_sigma": NOISE,
     "level_sigma": 0.0,
     "mounting_sigma": 0.0,
