@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import click
 
+FEWEST = 4
+"""Points of a chart."""
+
 
 @click.command("allan")
 @click.argument("file", type=click.Path())
@@ -44,7 +47,7 @@ def command(file, columns, units, shortest, fmu, out, picture):
     if out is not None:
         check_file(out, ".ssv")
         elsewhere(out, "--out", file, None)
-        fmu = shipped.system(fmu)
+        fmu = shipped.system(fmu if Path(fmu).suffix or Path(fmu).exists() else f"{fmu}.fmu")
     if picture is not None:
         check_file(picture, ".png")
     shortest = within(shortest, 0.0, 1e6, "--shortest", "s")
@@ -53,7 +56,7 @@ def command(file, columns, units, shortest, fmu, out, picture):
     charts = {sensor: chart(parts, taken.period) for sensor, parts in taken.stretches.items()}
     longest = next(iter(charts.values())).time[-1]
     kept = {sensor: one.beyond(shortest) for sensor, one in charts.items()}
-    if len(next(iter(kept.values())).time) < 4:
+    if len(next(iter(kept.values())).time) < FEWEST:
         raise NavfmuError(
             f"{file}: averages over {shortest:g} to {longest:.4g} s are fewer than four points of a chart; expected a "
             "longer rest, or a --shortest that leaves more"
@@ -83,12 +86,12 @@ def _print(taken, found, remarks) -> None:
         for term, *numbers in zip(one.terms, one.coefficients, one.low, one.high, strict=True):
             unit, factor = sensor.shown[term]
             for axis, value, low, high in zip("xyz", *numbers, strict=True):
-                ends = [f"{factor * low:.3g}", f"{factor * high:.3g}"] if value else ["", ""]
+                ends = [f"{factor * low:.4g}", f"{factor * high:.4g}"] if value else ["", ""]
                 name = f"{sensor.quantity} {axis}"
                 rows.append([name, term.name, f"{term.slope:+g}", term.symbol, f"{factor * value:.4g}", *ends, unit])
         if one.correlation_time:
             value, low, high = one.correlation_time
-            rows.append([sensor.quantity, "Gauss-Markov", "", "tau", f"{value:.4g}", f"{low:.3g}", f"{high:.3g}", "s"])
+            rows.append([sensor.quantity, "Gauss-Markov", "", "tau", f"{value:.4g}", f"{low:.4g}", f"{high:.4g}", "s"])
     words = [Column("sensor", Kind.WORD), Column("term", Kind.WORD), Column("slope"), Column("", Kind.WORD)]
     numbers = [Column("value"), Column("from"), Column("to"), Column("unit", Kind.WORD)]
     screen.print(Table(words + numbers, rows, "error terms, with intervals of 95 %", keys=2))
@@ -99,8 +102,10 @@ def _print(taken, found, remarks) -> None:
             time, factor = one.farthest
             text += (
                 f"; the terms do not explain the chart altogether: at {time:.3g} s it is {factor:.3g} times "
-                "what they make (--shortest leaves averages over less out)"
+                "what they make"
             )
+            if last >= 2.0**FEWEST * time:
+                text += " (--shortest leaves averages over less out)"
         say(screen, f"- {text}", indent=2, hang=2)
     for sentence in remarks:
         say(screen, f"- {sentence}", indent=2, hang=2)

@@ -167,8 +167,56 @@ def test_bad_input_is_a_sentence(rest):
     assert "has no sensor's columns" in refused(rest[["time"]])
     stuck = rest.assign(rate_z=np.where(np.arange(len(rest)) % 2, 0.0, 0.01))
     assert "rate z has 2 values only" in refused(stuck)
+    in_ms = rest.assign(time=1e3 * rest["time"])
+    assert "samples are 20 s apart; expected 1e-05 to 2; name the unit of the time" in refused(in_ms)
+    cut_off = rest.assign(specific_force_z=np.maximum(rest["specific_force_z"], -STANDARD_GRAVITY))
+    assert "specific_force z is -9.80665 m/s2 in 48 % of the samples at rest and never beyond" in refused(cut_off)
     assert "fewer than four points" in refused(rest, "--shortest", "5")
     assert "--fmu and --out belong together" in refused(rest, "--out", "set.ssv")
+
+
+def test_noise_in_steps_is_no_noise_that_is_cut_off(rest):
+    """Steps of 1.2 sigma, half of one off the mean: of six levels the lowest has a tenth. Wrong: a share alone."""
+    rest["rate_x"] = 0.012 * (np.round(rest["rate_x"] / 0.012 - 0.5) + 0.5)
+    rest = rest[rest["rate_x"].between(-0.02, 0.04)]  # as in a recording without the few that are farther
+    assert len(rest["rate_x"].unique()) == 5
+    rest.assign(time=0.02 * np.arange(len(rest))).to_csv("rest.csv", index=False)
+    assert navfmu("rest.csv").exit_code == 0
+
+
+def test_an_interval_as_it_is_printed_has_its_value_within(tmp_path):
+    """An hour at 100 Hz: three digits are coarser than the interval, and 0.1718 was from 0.172 to 0.172."""
+    values = made.white(np.random.default_rng(1), 5.003e-4, 360_000)
+    frame = pd.DataFrame(values, columns=COLUMNS[:3]).assign(time=0.01 * np.arange(len(values)))
+    frame.to_parquet(tmp_path / "rest.parquet")
+    lines = [line.split() for line in navfmu(tmp_path / "rest.parquet").output.splitlines() if "white" in line]
+    assert len(lines) == 3
+    for line in lines:
+        value, low, high = map(float, line[line.index("N") + 1 :][:3])
+        assert low < value < high
+
+
+@pytest.mark.parametrize("period, hint", [(0.1, True), (20.0, False)])
+def test_shorter_averages_are_left_out_where_they_are_what_is_not_explained(tmp_path, period, hint):
+    """A sine is not explained around its period: 0.1 s, or 20 s of 20.48 s, where four points are not left."""
+    time = 0.02 * np.arange(12000)
+    sine = 0.05 * np.sin(2.0 * np.pi * time / period)
+    values = made.white(np.random.default_rng(1), 0.01, len(time)) + sine[:, None]
+    pd.DataFrame(values, columns=COLUMNS[:3]).assign(time=time).to_parquet(tmp_path / "rest.parquet")
+    output = " ".join(navfmu(tmp_path / "rest.parquet").output.split())
+    assert "the terms do not explain the chart" in output
+    assert ("--shortest leaves" in output) == hint
+
+
+def test_a_shorter_process_than_an_imu_has_makes_the_same_of_long_averages():
+    """0.4 s: at 100 s a process of 1 s with the same sigma has 1.58 times the deviation, and the remark was all."""
+    found = identify(
+        chart([made.white(np.random.default_rng(1), 0.1) + made.markov(np.random.default_rng(2), 0.1, 20.0)], 0.02)
+    )
+    tau, values = found.correlation_time[0], parameters({GYRO: found}, 0.02)
+    assert tau == pytest.approx(0.4, rel=0.1) and values["gyro_drift_time"] == 1.0
+    made_of = values["gyro_drift_sigma"] ** 2 * GAUSS_MARKOV.variance(1000.0, values["gyro_drift_time"])
+    np.testing.assert_allclose(made_of, found.of(GAUSS_MARKOV) ** 2 * GAUSS_MARKOV.variance(1000.0, tau), rtol=0.01)
 
 
 def test_an_fmu_that_is_no_imu_is_refused(rest, tmp_path_factory):

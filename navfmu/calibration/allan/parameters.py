@@ -22,6 +22,8 @@ FLAT = 18.0
 """Averaging time from which a sum of processes a decade apart is as flat as flicker noise, in the shortest of them."""
 FINE = 50.0
 """Times that a process is advanced in its correlation time, at least."""
+SHORTEST = 1.0
+"""Shortest correlation time of a drift, s."""
 
 
 def parameters(found: Mapping[Sensor, Identification], period: float) -> dict[str, Any]:
@@ -34,12 +36,12 @@ def parameters(found: Mapping[Sensor, Identification], period: float) -> dict[st
             f"{sensor.prefix}_noise_sigma": white / np.sqrt(period),
             f"{sensor.prefix}_flicker": flicker,
             f"{sensor.prefix}_walk_sigma": one.of(RANDOM_WALK) * np.sqrt(HOUR),
-            f"{sensor.prefix}_drift_sigma": one.of(GAUSS_MARKOV),
+            f"{sensor.prefix}_drift_sigma": one.of(GAUSS_MARKOV) * np.sqrt(min(1.0, _tau(one) / SHORTEST)),
             sensor.pulse: float(np.mean(one.of(QUANTISATION))) * np.sqrt(12.0),
         }
         if one.correlation_time:
-            values[f"{sensor.prefix}_drift_time"] = max(1.0, one.correlation_time[0])
-            drift_periods.append(max(period, one.correlation_time[0] / FINE))
+            values[f"{sensor.prefix}_drift_time"] = max(SHORTEST, _tau(one))
+            drift_periods.append(max(period, _tau(one) / FINE))
         there = flicker > 0.0
         if there.any():
             begins = float(np.min((white[there] / (FLOOR * flicker[there])) ** 2))
@@ -51,6 +53,10 @@ def parameters(found: Mapping[Sensor, Identification], period: float) -> dict[st
     return values
 
 
+def _tau(one: Identification) -> float:
+    return one.correlation_time[0] if one.correlation_time else np.inf
+
+
 def remarks(found: Mapping[Sensor, Identification]) -> list[str]:
     """What the parameters do not have of what was identified."""
     said = []
@@ -59,8 +65,11 @@ def remarks(found: Mapping[Sensor, Identification]) -> list[str]:
             said.append(f"{sensor.quantity}: the ramp is not among the parameters; it is of a temperature, or of age")
         if QUANTISATION in one.terms:
             said.append(f"{sensor.quantity}: whole pulses are those of the increments; readings have none")
-        if one.correlation_time and one.correlation_time[0] < 1.0:
-            said.append(f"{sensor.quantity}: the correlation time is taken for 1 s, the shortest that there is")
+        if _tau(one) < SHORTEST:
+            said.append(
+                f"{sensor.quantity}: the correlation time is taken for {SHORTEST:g} s, the shortest that there is; "
+                "averages over much more are the same"
+            )
     return said
 
 

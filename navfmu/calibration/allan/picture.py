@@ -42,5 +42,5 @@ def draw(found: Mapping[Sensor, Identification], source: str) -> bytes:
                 one_way.set_minor_formatter(NullFormatter())
             axis.set_ylabel(f"Allan deviation, {sensor.unit}")
             axis.set_title(f"{sensor.quantity}: {', '.join(map(str, one.terms))}", fontsize=10)
-            axis.legend(title="axes; lines: terms together; bars: 2 sigma", ncols=3, fontsize=8)
+            axis.legend(title="axes; lines: terms together; bars: 2 sigma", ncols=3, fontsize=8, loc="upper center")
         return png(drawing)

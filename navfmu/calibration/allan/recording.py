@@ -23,6 +23,11 @@ STEPS = 5
 """Values that a column has at rest, at least: noise of half a step of the resolution or more has so many."""
 IRREGULAR = 0.1
 """Share of the usual interval by which intervals may differ without a word."""
+INTERVALS = (1e-5, 2.0)
+"""Between samples of an inertial unit, s: the thesis charts samples a second apart."""
+CUT = 0.05
+"""Share of samples at the largest or the smallest value from which on, if it has more than the value beside it, what is
+beyond was cut off."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,11 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
         what = "time does not increase" if len(time) >= FEWEST else f"has {len(time)} rows only"
         raise NavfmuError(f"{file.path}, {file.row(at)}: {what}; expected samples one after the other")
     period = _regular(interval)
+    if not INTERVALS[0] <= period <= INTERVALS[1]:
+        raise NavfmuError(
+            f"{file.path}: samples are {period:.4g} s apart; expected {INTERVALS[0]:g} to {INTERVALS[1]:g}; name the "
+            "unit of the time, as in --unit time=ms"
+        )
     parts = _pieces(np.hstack(list(samples.values())), interval, period)
     if not parts:
         raise NavfmuError(
@@ -98,11 +108,19 @@ def _check_plausible(file: File, sensor: Sensor, stretches: list[np.ndarray]) ->
             f"the unit of the file, as in --unit {sensor.quantity}={'deg/s' if sensor.unit == 'rad/s' else 'g'}"
         )
     for axis, values in zip("xyz", np.vstack(stretches).T, strict=True):
-        if len(np.unique(values)) < STEPS:
+        levels, counts = np.unique(values, return_counts=True)
+        if len(levels) < STEPS:
             raise NavfmuError(
-                f"{file.path}: {sensor.quantity} {axis} has {len(np.unique(values))} values only at rest; expected "
-                f"noise of {STEPS} at least: the chart would show the steps of the resolution"
+                f"{file.path}: {sensor.quantity} {axis} has {len(levels)} values only at rest; expected noise of "
+                f"{STEPS} at least: the chart would show the steps of the resolution"
             )
+        for end, beside in ((0, 1), (-1, -2)):
+            if counts[end] > max(CUT * len(values), counts[beside]):
+                raise NavfmuError(
+                    f"{file.path}: {sensor.quantity} {axis} is {levels[end]:.6g} {sensor.unit} in "
+                    f"{100.0 * counts[end] / len(values):.0f} % of the samples at rest and never beyond; expected "
+                    "noise that the range of the sensor does not cut off"
+                )
 
 
 def _sentences(file: File, time: np.ndarray, period: float, parts: list[slice], stretches) -> list[str]:
