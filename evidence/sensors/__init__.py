@@ -17,6 +17,7 @@ SENSORS = (
     "alternative_aids",
     "at_rest",
     "azimuth_detector",
+    "calibration_imu",
     "dme",
     "gps",
     "gps_options",

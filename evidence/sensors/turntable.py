@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -87,10 +89,11 @@ def shown(fmu: str | Path, motion: pd.DataFrame, parameters: Mapping[str, Any], 
         given[name] = np.append(motion[column], motion[column].iloc[-1])
     values = expand(describe(fmu), {**parameters, "seed": seed, "sample_period": period}, "imu")
     outputs = [f"reading.{name}[{i}]" for name in ("rate", "specific_force") for i in (1, 2, 3)]
-    run = simulate_fmu(
-        str(fmu), stop_time=float(motion["time"].iloc[-1]), step_size=period, output_interval=period,
-        start_values=values, input=given, output=outputs, use_event_mode=False,
-    )  # fmt: skip
+    with redirect_stdout(StringIO()):  # a line for each input that keeps its start value
+        run = simulate_fmu(
+            str(fmu), stop_time=float(motion["time"].iloc[-1]), step_size=period, output_interval=period,
+            start_values=values, input=given, output=outputs,
+        )  # fmt: skip
     frame = motion[["time", "roll", "pitch", "heading", "table_rate"]].copy()
     for output in outputs:
         name, number = output.removeprefix("reading.").rstrip("]").split("[")
