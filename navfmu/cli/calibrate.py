@@ -7,6 +7,7 @@ import click
 from navfmu.cli.group import Group
 
 COMMANDS = {
+    "imu": ("navfmu.cli.calibrate_imu", "Errors of an inertial unit, from stands in several attitudes and turns."),
     "magnetometer": ("navfmu.cli.calibrate_magnetometer", "Hard iron, gains and soft iron of a triad that was turned."),
 }
 

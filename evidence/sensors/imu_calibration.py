@@ -50,7 +50,7 @@ def run(out: Path) -> Section:
     claims = [table.consistent, table.scattered, table.drifted]
     words = "What each set of stands tells, and errors of 30 units by their sigma"
     head = ["recording at rest", "told", "not told"]
-    write_file(out / "sensors" / "calibration_imu.png", picture(table))
+    write_file(out / "sensors" / "imu_calibration.png", picture(table))
     return illustrated("Calibration of inertial units", claims, lambda: picture(table), words, head, rests())
 
 
