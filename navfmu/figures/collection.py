@@ -42,9 +42,10 @@ def names() -> list[str]:
 def places() -> list[str]:
     """Where the namespace is found."""
     try:
-        return list(importlib.import_module(SPACE).__path__)
+        found = importlib.import_module(SPACE).__path__
     except ModuleNotFoundError:
         return []
+    return [place for place in found if Path(place).is_dir()]  # an editable installation has one that is none
 
 
 def collection(name: str) -> Collection:
