@@ -7,6 +7,7 @@ import click
 from navfmu.cli.group import Group
 
 COMMANDS = {
+    "gain": ("navfmu.cli.calibrate_gain", "The gain that three accelerometers have in common, at rest."),
     "imu": ("navfmu.cli.calibrate_imu", "Errors of an inertial unit, from stands in several attitudes and turns."),
     "magnetometer": ("navfmu.cli.calibrate_magnetometer", "Hard iron, gains and soft iron of a triad that was turned."),
 }

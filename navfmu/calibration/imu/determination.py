@@ -12,13 +12,12 @@ from scipy import stats
 from navfmu.calibration.allan.sensor import ACCELEROMETER, SENSORS
 from navfmu.calibration.imu.fit import FREE, Fit, fit
 from navfmu.calibration.imu.stands import Stands
-from navfmu.calibration.imu.terms import MISALIGNMENT, Term, chosen, readings, split
+from navfmu.calibration.imu.terms import MISALIGNMENT, Term, chosen, readings, specific_force, split
 from navfmu.errors import NavfmuError
 
 TOLD = 1.0 / 3.0
 """An element is told if its sigma is less than this share of what it is in a unit that nobody has calibrated."""
 CONFIDENCE = 0.95
-_INVERSIONS = 8
 _START = np.array([1e-4, 1e-2])
 """Sigma of a mean rate and specific force with which to begin."""
 
@@ -90,9 +89,7 @@ def determine(stands: Stands, without: Iterable[str] = (), sigma: np.ndarray | N
 
     def against_gravity(values):
         errors = split(values, terms)
-        force = stands.specific_force
-        for _ in range(_INVERSIONS):
-            force = force + stands.specific_force - readings(errors, np.zeros((count, 3)), force)[1]
+        force = specific_force(errors, stands.specific_force)
         rate, _ = readings(errors, np.zeros((count, 3)), force)
         return np.concatenate([np.ravel(rate - stands.rate), np.sqrt(np.sum(force**2, axis=1)) - stands.gravity])
 

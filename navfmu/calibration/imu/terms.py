@@ -140,6 +140,17 @@ def readings(errors: Mapping[Term, np.ndarray], rate: np.ndarray, force: np.ndar
     )
 
 
+def specific_force(errors: Mapping[Term, np.ndarray], shown: np.ndarray) -> np.ndarray:
+    """The specific force in b (stands, 3) of which accelerometers with these errors show ``shown`` (stands, 3).
+
+    What is shown less what would be, added eight times: errors of a tenth leave 1e-8.
+    """
+    force, still = shown, np.zeros(np.shape(shown))
+    for _ in range(8):
+        force = force + shown - readings(errors, still, force)[1]
+    return force
+
+
 def _axes(errors: Mapping[Term, np.ndarray], sensor: Sensor) -> np.ndarray:
     """N C_m of a triad."""
     (a, b, c), (x, y, z) = errors[LEANING[sensor]], errors[MISALIGNMENT]
