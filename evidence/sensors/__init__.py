@@ -18,6 +18,7 @@ SENSORS = (
     "at_rest",
     "azimuth_detector",
     "dme",
+    "flown_attitude",
     "gps",
     "gps_options",
     "gps_signals",
