@@ -7,12 +7,13 @@ import itertools
 import math
 
 import numpy as np
+import pygeomag
 import pytest
 
 from navfmu import System
 from navfmu.figures import Task, collection
 from navfmu.figures.comparison import AGREES, DIFFERS, EXPLAINED
-from navfmu_figures.thesis import t13, t26, t29, t30, t33
+from navfmu_figures.thesis import t13, t26, t29, t30, t32, t33
 from tests import built
 
 ROWS = collection.collection("thesis").rows
@@ -144,6 +145,22 @@ def test_t30_angles_walk_as_b10_says(case, tmp_path_factory):
     assert t30.compared(angles, *case).verdict == AGREES
     assert t30.compared(1.12 * angles, *case).verdict == DIFFERS
     assert t30.compared(angles / 1.12, *case).verdict == DIFFERS
+
+
+# ---- T32 -------------------------------------------------------------------------------------------------------------
+
+
+def test_t32_the_needle_errs_as_3_48_says(tmp_path_factory):
+    """Of pygeomag's field at the place. Wrong: the strength for its level part, mG for uT, iron that turns with n."""
+    errors = t32.turned(System.load(built.fmu("magnetometer", tmp_path_factory)), 1)
+    there = pygeomag.GeoMag(coefficients_file="wmm/WMM_2025.COF").calculate(37.7, -121.8, 0.0, 2026.0)
+    turn = np.radians(t32.HEADINGS - there.d)
+    expected = -np.degrees(7e-7 * (np.sin(turn) + np.cos(turn)) / (1e-9 * there.h))
+    np.testing.assert_allclose(errors, expected, atol=0.1)  # (3.48) is linear: 2.5 degrees to the square are 0.1
+    seconds = 0.78 * np.random.default_rng(1).standard_normal(3000)
+    assert verdicts(t32.compared(errors, seconds)) == [AGREES, AGREES]
+    assert verdicts(t32.compared(errors / 2.0, 1.2 * seconds)) == [DIFFERS, DIFFERS]
+    assert verdicts(t32.compared(1.05 * errors, seconds * np.sqrt(20.0))) == [DIFFERS, DIFFERS]
 
 
 # ---- T33 -------------------------------------------------------------------------------------------------------------
