@@ -28,6 +28,7 @@ SENSORS = (
     "hand_held",
     "increments",
     "magnetometer",
+    "magnetometer_calibration",
     "navaids",
     "observations",
     "replay",
