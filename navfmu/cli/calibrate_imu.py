@@ -20,10 +20,11 @@ import click
 def command(file, latitude, altitude, columns, units, axes, without, fmu, out, covariance, picture):
     """Find null shifts, scale factors, misalignments and more of the unit in FILE.
 
-    FILE is a table, CSV or Parquet, of a unit that stood in one attitude after the other: time and rate_x, rate_y,
-    rate_z (rad/s), specific_force_x, _y, _z (m/s2). On a table whose attitude is known, also roll, pitch, heading
-    (rad) and, where it turns, table_rate (rad/s about the vertical, down). Without them the size of gravity tells what
-    it can. What the stands do not tell is said, with what is missing; it is not among the parameters.
+    FILE is a table, CSV or Parquet, or a log of PX4 (.ulg), of a unit that stood in one attitude after the other: time
+    and rate_x, rate_y, rate_z (rad/s), specific_force_x, _y, _z (m/s2). On a table whose attitude is known, also roll,
+    pitch, heading (rad) and, where it turns, table_rate (rad/s about the vertical, down). Without them the size of
+    gravity tells what it can. What the stands do not tell is said, with what is missing; it is not among the
+    parameters.
 
     \b
     navfmu calibrate imu turntable.parquet --latitude 47.7 --altitude 400 --fmu imu.fmu --out unit.ssv

@@ -10,21 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from navfmu.calibration.allan.sensor import SENSORS, Sensor
-from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
+from navfmu.calibration.allan.stretches import SHORTEST, quiet
 from navfmu.calibration.columns import Columns
+from navfmu.calibration.inertial import GAP, TIME, opened, usual
 from navfmu.errors import NavfmuError
-from navfmu.recorded.replay import px4
-from navfmu.recorded.replay.file import File, read
+from navfmu.recorded.replay.file import File
 
-TIME = "time"
-GAP = 1.5
-"""Intervals of more than this many usual ones end a stretch."""
 STEPS = 5
 """Values that a column has at rest, at least: noise of half a step of the resolution or more has so many."""
 IRREGULAR = 0.1
 """Share of the usual interval by which intervals may differ without a word."""
-INTERVALS = (1e-5, 2.0)
-"""Between samples of an inertial unit, s: the thesis charts samples a second apart."""
 CUT = 0.05
 """Share of samples at the largest or the smallest value from which on, if it has more than the value beside it, what is
 beyond was cut off."""
@@ -45,7 +40,7 @@ class Recording:
 def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> Recording:
     """Read a table, or a log of PX4; ``columns`` and ``units`` say those of time, rate and specific_force that are not
     usual."""
-    file = px4.read(path, _logged()) if str(path).lower().endswith(".ulg") else read(path)
+    file = opened(path)
     found = Columns(file, {TIME: (1, "s"), **{sensor.quantity: (3, sensor.unit) for sensor in SENSORS}}, columns, units)
     time = found.values(TIME)
     samples = {sensor: found.values(sensor.quantity) for sensor in SENSORS if found.has(sensor.quantity)}
@@ -54,17 +49,8 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
             f"{file.path}: has no sensor's columns; expected rate_x, rate_y, rate_z or specific_force_x, _y, _z, or "
             "others by --column, as in --column rate=gx,gy,gz"
         )
+    period = usual(file, time)
     interval = np.diff(time)
-    if len(time) < FEWEST or not np.all(interval > 0.0):
-        at = int(np.argmax(interval <= 0.0)) + 1 if len(interval) else 0
-        what = "time does not increase" if len(time) >= FEWEST else f"has {len(time)} rows only"
-        raise NavfmuError(f"{file.path}, {file.row(at)}: {what}; expected samples one after the other")
-    period = _regular(interval)
-    if not INTERVALS[0] <= period <= INTERVALS[1]:
-        raise NavfmuError(
-            f"{file.path}: samples are {period:.4g} s apart; expected {INTERVALS[0]:g} to {INTERVALS[1]:g}; name the "
-            "unit of the time, as in --unit time=ms"
-        )
     parts = _pieces(np.hstack(list(samples.values())), interval, period)
     if not parts:
         raise NavfmuError(
@@ -77,17 +63,6 @@ def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: M
     return Recording(
         file.path, period, float(time[-1] - time[0]), stretches, tuple(_sentences(file, time, period, parts, stretches))
     )
-
-
-def _logged() -> str:
-    """Return what of a log of PX4 has rates."""
-    return next(name for name, choices in px4.topics().items() if "rate_x" in choices[0][0].fields)
-
-
-def _regular(interval: np.ndarray) -> float:
-    """The mean of intervals that are no gaps, s: stamps may be coarse or late."""
-    usual = interval[interval <= GAP * np.median(interval)]
-    return float(np.format_float_positional(np.mean(usual), 5, fractional=False))
 
 
 def _pieces(samples: np.ndarray, interval: np.ndarray, period: float) -> list[slice]:
@@ -128,8 +103,8 @@ def _sentences(file: File, time: np.ndarray, period: float, parts: list[slice], 
     many = f"in {len(rest)} stretches of {min(rest):.0f} to {max(rest):.0f} s" if len(rest) > 1 else "in one stretch"
     found = [*file.told, f"{sum(rest):.0f} s at rest of {time[-1] - time[0]:.0f} s, {many}, at {1.0 / period:.6g} Hz"]
     interval = np.diff(time)
-    usual = interval[interval <= GAP * np.median(interval)]
-    off = float(np.mean(np.abs(usual / period - 1.0) > IRREGULAR))
+    near = interval[interval <= GAP * np.median(interval)]
+    off = float(np.mean(np.abs(near / period - 1.0) > IRREGULAR))
     if off > 0.01:
         found.append(f"{100.0 * off:.0f} % of the intervals differ by more than a tenth; they are taken for equal ones")
     missing = [sensor.quantity for sensor in SENSORS if sensor not in stretches]

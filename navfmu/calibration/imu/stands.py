@@ -10,19 +10,18 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import median_filter
 
-from navfmu.calibration.allan.sensor import SENSORS
-from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
+from navfmu.calibration.allan.sensor import GYRO, SENSORS
+from navfmu.calibration.allan.stretches import SHORTEST, quiet
 from navfmu.calibration.columns import Columns
 from navfmu.calibration.imu.earth import gravity, rotation_n, to_body
+from navfmu.calibration.inertial import GAP, TIME, opened, usual
 from navfmu.errors import NavfmuError
 from navfmu.recorded.replay.asked import check_turn, turn
-from navfmu.recorded.replay.file import read
+from navfmu.recorded.replay.file import File
 
-GAP = 1.5
-"""Intervals of more than this many usual ones end a stand."""
 SPIKE = 10.0
 """A sample this many sigma off the median of itself and two neighbours on either side is no reading."""
-USUAL = 2.03
+NORMAL = 2.03
 """Sigma of normal numbers over the median of their distances from such a median."""
 STEADY = 0.01
 """Without a table, a stand whose rate is this far from that of most, rad/s, is a turn: three times what a sensitivity
@@ -32,7 +31,7 @@ PLAUSIBLE = 0.1
 ANGLES = ("roll", "pitch", "heading")
 TABLE_RATE = "table_rate"
 QUANTITIES = {
-    "time": (1, "s"),
+    TIME: (1, "s"),
     **{sensor.quantity: (3, sensor.unit) for sensor in SENSORS},
     **{angle: (1, "rad") for angle in ANGLES},
     TABLE_RATE: (1, "rad/s"),
@@ -73,20 +72,15 @@ def stands(
     about the vertical, down, what was there is known, else its size.
     """
     check_turn(axes, "--axes")
-    file = read(path)
+    file = opened(path)
     found = Columns(file, QUANTITIES, columns or {}, units or {})
-    time = found.values("time")
+    time = found.values(TIME)
     to_frd = turn(axes, "--axes")
     samples = np.hstack([found.values(sensor.quantity) @ to_frd.T for sensor in SENSORS])
     told = any(map(found.has, (*ANGLES, TABLE_RATE)))
     angles = np.stack([found.values(angle) for angle in ANGLES], axis=1) if told else np.zeros((len(time), 3))
     turning = found.values(TABLE_RATE) if found.has(TABLE_RATE) else np.zeros(len(time))
-    interval = np.diff(time)
-    if len(time) < FEWEST or not np.all(interval > 0.0):
-        at = int(np.argmax(interval <= 0.0)) + 1 if len(time) >= FEWEST else 0
-        what = "time does not increase" if len(time) >= FEWEST else f"has {len(time)} rows only"
-        raise NavfmuError(f"{file.path}, {file.row(at)}: {what}; expected samples one after the other")
-    period = float(np.median(interval))
+    period, interval = usual(file, time), np.diff(time)
     smooth, wrong = _without_spikes(samples)
     parts = _pieces(smooth, interval, period, np.column_stack([angles[:, :2], turning]), angles[:, 2])
     here = gravity(latitude, altitude)
@@ -110,9 +104,11 @@ def stands(
     sentences.append(f"{len(parts)} stands of {lengths.min():.0f} to {lengths.max():.0f} s")
     begin = time[[part.start for part in parts]]
     if not told:
+        _check_rates(file, rate)
         return Stands(file.path, begin, lengths, rate, force, here, sentences=tuple(sentences))
     acting = [_acting(angles[part], turning[part], latitude, here) for part in parts]
     true_rate, true_force = (np.array(one) for one in zip(*acting, strict=True))
+    _check_rates(file, rate - true_rate)
     _check_told(file, force, true_force, here)
     return Stands(file.path, begin, lengths, rate, force, here, true_rate, true_force, tuple(sentences))
 
@@ -121,8 +117,8 @@ def _without_spikes(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Samples with medians in the place of spikes, and the rows (n,) that have one."""
     middle = median_filter(samples, size=(5, 1), mode="nearest")
     off = np.abs(samples - middle)
-    usual = np.median(off, axis=0)
-    sigma = np.where(usual > 0.0, USUAL * usual, np.std(off, axis=0))
+    half = np.median(off, axis=0)
+    sigma = np.where(half > 0.0, NORMAL * half, np.std(off, axis=0))
     spike = off > SPIKE * sigma
     return np.where(spike, middle, samples), np.any(spike, axis=1)
 
@@ -157,7 +153,7 @@ def _acting(angles: np.ndarray, turning: np.ndarray, latitude: float, here: floa
     return np.einsum("nij,nj->ni", to_b, rate_n).mean(axis=0), to_b.mean(axis=0) @ [0.0, 0.0, -here]
 
 
-def _check_plausible(file, force: np.ndarray, here: float) -> None:
+def _check_plausible(file: File, force: np.ndarray, here: float) -> None:
     sizes = np.linalg.norm(force, axis=1)
     worst = float(sizes[np.argmax(np.abs(sizes / here - 1.0))])
     if abs(worst / here - 1.0) > PLAUSIBLE:
@@ -167,7 +163,16 @@ def _check_plausible(file, force: np.ndarray, here: float) -> None:
         )
 
 
-def _check_told(file, force: np.ndarray, true: np.ndarray, here: float) -> None:
+def _check_rates(file: File, off: np.ndarray) -> None:
+    worst, most = float(np.max(np.linalg.norm(off, axis=1))), GYRO.plausible[1]
+    if worst > most:
+        raise NavfmuError(
+            f"{file.path}: a rate is {worst:.3g} rad/s off the true one; expected {most:g} at most; name the unit of "
+            "the file, as in --unit rate=deg/s, or --unit table_rate=deg/s"
+        )
+
+
+def _check_told(file: File, force: np.ndarray, true: np.ndarray, here: float) -> None:
     off = np.degrees(np.arccos(np.clip(np.sum(force * true, axis=1) / np.linalg.norm(force, axis=1) / here, -1.0, 1.0)))
     if off.max() > 20.0:
         raise NavfmuError(
