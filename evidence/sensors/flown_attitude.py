@@ -9,6 +9,7 @@ The hard iron is learned in the first minute of flight, and errors count after i
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +20,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation, Slerp
 
 from evidence.section import Section, illustrated, left_out, recorded
@@ -27,6 +27,8 @@ from evidence.sensors.hand_held import rms
 from evidence.sensors.others import FILTERS
 from fmus.attitude.ahrs_velocity import SMALL_AIRCRAFT
 from models.magnetic import magnetic_field
+from navfmu.calibration.magnetometer.choice import choose
+from navfmu.errors import NavfmuError
 from navfmu.files.writing import write_file
 from navfmu.recorded.replay.asked import Asked
 from navfmu.recorded.replay.file import read
@@ -38,8 +40,8 @@ from navfmu.system import shipped
 from navfmu.system.system import System
 
 HEADING = "Attitude in recorded flights"
-LEARNING = 60.0
-"""s of flight in which the hard iron is learned."""
+LEARNING, METHOD = 60.0, "hard-iron"
+"""s of flight in which the hard iron is learned, and the calibration."""
 ANGLES = ("roll", "pitch", "heading")
 LOGGED = ("roll", "pitch", "yaw")
 AXES = ("x", "y", "z")
@@ -47,13 +49,14 @@ REFERENCES: dict[str, tuple[str, Mapping[str, Any]]] = {
     "ahrs_velocity, small_aircraft": ("ahrs_velocity", SMALL_AIRCRAFT.values),
     "ahrs_velocity": ("ahrs_velocity", {}),
     "ahrs": ("ahrs", {}),
+    "ahrs_quaternion, compensated": ("ahrs_quaternion", {"compensated": True}),
 }
 """By what they are called: FMU and parameters."""
 OURS = "ahrs_velocity, small_aircraft"
 LOG = "the log's own"
-INCLINATION, NORTH, CHANGE = 2.2, 3.5, 0.59
+INCLINATION, NORTH, CHANGE = 2.2, 3.5, 0.56
 """VQF with a time constant of 30 s: degrees to the filter of thor75's log, where the hard iron was learned in the whole
-flight; of swisslog1 m/s in a second (:func:`unexplained`), with the hard iron of a minute."""
+flight; of swisslog1 m/s in a second (:func:`unexplained`), on the same samples."""
 
 
 @dataclass(frozen=True)
@@ -91,10 +94,15 @@ class Flight:
 
     @cached_property
     def hard_iron(self) -> np.ndarray:
-        """Learned: the middle of the sphere of Earth's strength on which the field lies, T."""
+        """What a calibration of the first minute finds, T: none where it is refused."""
         samples = self.stream("magnetometer")
         learned = samples[samples["time"].between(self.airborne[0], self.airborne[0] + LEARNING)]
-        return middle(columns(learned, "field"), float(np.linalg.norm(self.field_n)))
+        strength, horizontal = (float(np.linalg.norm(self.field_n[:n])) for n in (3, 2))
+        found = np.zeros(3)
+        with contextlib.suppress(NavfmuError):
+            centre = choose(columns(learned, "field"), strength, horizontal, METHOD, self.name).locus.centre
+            found[: len(centre)] = centre  # in a level turn of x and y alone
+        return found
 
 
 def flights(folder: Path) -> list[Flight]:
@@ -111,16 +119,6 @@ def flights(folder: Path) -> list[Flight]:
 def columns(samples: pd.DataFrame, name: str) -> np.ndarray:
     """A vector's columns, (n, 3)."""
     return samples[[f"{name}_{axis}" for axis in AXES]].to_numpy(float).copy()
-
-
-def middle(field: np.ndarray, strength: float) -> np.ndarray:
-    """Middle of the sphere of known radius on which a field (n, 3) lies, T, by least squares.
-
-    In flight that is level for the most part the radius says how far it lies above or below.
-    """
-    rows = np.column_stack([2e6 * field, np.ones(len(field))])
-    first = np.linalg.lstsq(rows, np.sum((1e6 * field) ** 2, axis=1), rcond=None)[0][:3]
-    return least_squares(lambda at: np.linalg.norm(1e6 * field - at, axis=1) - 1e6 * strength, first).x * 1e-6
 
 
 def fly(flight: Flight, reference: str, parameters: Mapping[str, Any], folder: Path) -> pd.DataFrame:

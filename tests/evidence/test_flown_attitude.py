@@ -27,7 +27,8 @@ def flight(folder: Path, delay: float = 0.0) -> Flight:
     named = dict(zip([f"specific_force_{x}" for x in "xyz"], force.T, strict=True))
     pd.DataFrame({"time": TIME, **named}).to_parquet(folder / "imu.parquet")
     velocity = dict(zip(("velocity_north", "velocity_east"), VELOCITY_N.T[:2], strict=True))
-    pd.DataFrame({"time": TIME + delay, **velocity})[::10].to_parquet(folder / "gps.parquet")
+    here = {"latitude": 0.79, "longitude": -1.63, "altitude": 300.0}
+    pd.DataFrame({"time": TIME + delay, **velocity, **here})[::10].to_parquet(folder / "gps.parquet")
     named = dict(zip(("roll", "pitch", "yaw"), ANGLES_TRUE.T, strict=True))
     pd.DataFrame({"time": TIME, **named}).to_parquet(folder / "reference.parquet")
     return Flight(folder, 0.02, (10.0, 95.0), 2014.0, delay, ("air", {}))
@@ -37,14 +38,20 @@ def angles(turned: Rotation) -> pd.DataFrame:
     return pd.DataFrame((turned * TURNS).as_euler("ZYX")[:, ::-1], columns=list(ANGLES), index=TIME)
 
 
-def test_the_middle_of_a_cap_of_a_sphere_is_found_by_its_radius():
-    """Fields of flight with banks of 30 degrees and noise of 1 %: without the radius its height is off by 5e-7."""
-    rng = np.random.default_rng(3)
-    heading, roll = rng.uniform(-np.pi, np.pi, 3000), np.radians(30.0) * rng.uniform(-1.0, 1.0, 3000)
-    turns = Rotation.from_euler("ZYX", np.column_stack([heading, 0.0 * roll, roll]))
-    field = turns.inv().apply([2e-5, 0.0, 5e-5]) + [3e-5, -2e-5, 4e-5] + 5e-7 * rng.standard_normal((3000, 3))
-    found = flown_attitude.middle(field, np.hypot(2e-5, 5e-5))
-    np.testing.assert_allclose(found, [3e-5, -2e-5, 4e-5], atol=6e-8)  # 5e-7 / sqrt(3000), six times
+@pytest.mark.parametrize(("bank", "turn", "found"), [(30.0, np.pi, [3e-5, -2e-5, 4e-5]), (0.5, 0.01, [0.0, 0.0, 0.0])])
+def test_hard_iron_is_that_of_the_first_minute(tmp_path, bank, turn, found):
+    """Fields of flight with noise of 1 %; what comes before and after has another iron. Where it flies straight, there
+    is none: taken all the same, it would be wrong by all of the field."""
+    one = flight(tmp_path)
+    earth = one.field_n
+    rng, count = np.random.default_rng(3), len(TIME)
+    roll = np.radians(bank) * rng.uniform(-1.0, 1.0, count)
+    attitudes = Rotation.from_euler("ZYX", np.column_stack([rng.uniform(-turn, turn, count), 0.0 * roll, roll]))
+    iron = np.where((TIME >= 10.0) & (TIME <= 70.0), 1.0, 3.0)[:, None] * [3e-5, -2e-5, 4e-5]
+    field = attitudes.inv().apply(earth) + iron + 5e-7 * rng.standard_normal((count, 3))
+    named = dict(zip([f"field_{x}" for x in "xyz"], field.T, strict=True))
+    pd.DataFrame({"time": TIME, **named}).to_parquet(tmp_path / "magnetometer.parquet")
+    np.testing.assert_allclose(one.hard_iron, found, atol=6e-7)
 
 
 def test_errors_count_to_the_log_after_learning(tmp_path):
