@@ -157,7 +157,7 @@ def _case(one: Runs) -> list[str]:
 
 def picture(learned: Sequence[Learned], strips: Sequence[Runs], claim: Claim) -> bytes:
     """Heading errors over time, and errors of the two steps in z beside the batch that diverges."""
-    with figure(1, 2, size=(12.5, 4.4)) as (drawing, (over_time, cases)):
+    with figure(1, 2, size=(12.5, 4.8), below=0.35) as (drawing, (over_time, cases)):
         for one, colour in zip(learned, COLOURS, strict=False):
             label = f"{one.chosen.method} of the first {one.seconds:.0f} s, {one.rms[0]:.1f} deg rms after it"
             over_time.plot(one.time, np.degrees(one.error), color=colour, lw=0.7, label=label)

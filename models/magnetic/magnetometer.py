@@ -43,6 +43,11 @@ def sense(field_b, hard_iron, distortion, noise):
     return distortion @ (field_b + hard_iron) + noise
 
 
+def corrected(measured, hard_iron, inverse):
+    """Field, T, of a measured one: (3.28) solved for it, with the inverse of C_m C_sf C_si, noise being 0."""
+    return inverse @ measured - hard_iron
+
+
 def digitise(field, limit, resolution):
     """What comes out of a converter: no axis beyond its limit, whole multiples of its resolution (0: as it is)."""
     field = np.clip(field, -limit, limit)

@@ -80,6 +80,19 @@ def test_what_a_magnetometer_was_given_comes_back_as_its_parameters(tmp_path, tm
         for j in range(3):
             assert values[f"soft_iron[{i + 1},{j + 1}]"] == pytest.approx(given["soft_iron"][i][j], abs=1e-3)
         assert values[f"noise_sigma[{i + 1}]"] == pytest.approx(2e-8, rel=0.4)
+    for name in ("field_correction", "ahrs"):
+        words = ("--field", strength, "--fmu", built.fmu(name, tmp_path_factory), "--out", tmp_path / f"{name}.ssv")
+        assert navfmu(file, *words).exit_code == 0
+    undone = {setting.name: setting.value for setting in read_parameters(tmp_path / "field_correction.ssv")}
+    assert undone == {name: value for name, value in values.items() if "sigma" not in name}
+    left = {setting.name: setting.value for setting in read_parameters(tmp_path / "ahrs.ssv")}
+    assert left.keys() == {"field_sigma", "hard_iron_sigma"}
+    assert max(left.values()) < 2e-3
+    refused = navfmu(
+        file, "--field", strength, "--fmu", built.fmu("wind", tmp_path_factory), "--out", tmp_path / "x.ssv"
+    )
+    assert refused.exit_code == 2
+    assert "expected a triad" in refused.output
 
 
 def test_it_prints_and_writes_what_it_found(sphere, tmp_path):
