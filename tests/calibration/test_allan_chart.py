@@ -8,7 +8,7 @@ import pytest
 
 from navfmu.calibration.allan.chart import chart
 from navfmu.calibration.allan.stretches import quiet
-from navfmu.calibration.allan.terms import GAUSS_MARKOV, TERMS, gauss_markov
+from navfmu.calibration.allan.terms import GAUSS_MARKOV, RANDOM_WALK, TERMS, gauss_markov
 
 
 def test_the_chart_is_that_of_allantools():
@@ -50,11 +50,24 @@ def test_a_markov_process_has_no_step_where_the_series_ends():
     assert gauss_markov(1e-9, 1.0) == pytest.approx(2e-9 / 3.0, rel=1e-8)
 
 
+@pytest.mark.parametrize("count", [1, 2, 7, 100])
+@pytest.mark.parametrize("correlation_time", [0.03, 0.19, 0.21, 10.0, 1e6])
+def test_allan_variance_of_samples_is_that_of_their_covariance(count, correlation_time):
+    """20 ms apart, by the definition, Gauss-Markov and random walk. Wrong: that of all that is between the samples; of
+    one sample of a random walk it is two thirds, and the third was found as white noise."""
+    k = np.arange(1, 2 * count + 1)
+    weight = np.repeat([1.0 / count, -1.0 / count], count)
+    markov = 0.5 * weight @ np.expm1(-0.02 * np.abs(k[:, None] - k) / correlation_time) @ weight
+    assert GAUSS_MARKOV.variance(0.02 * count, 0.02, correlation_time) == pytest.approx(markov, rel=1e-8)
+    walk = 0.5 * weight @ (0.02 * np.minimum.outer(k, k)) @ weight
+    assert RANDOM_WALK.variance(0.02 * count, 0.02, 1.0) == pytest.approx(walk, rel=1e-10)
+
+
 @pytest.mark.parametrize("term", TERMS, ids=str)
 def test_slopes_are_those_of_table_c1(term):
     """As printed; a Gauss-Markov process has its +1/2 while it is young, as section C.4 says."""
     printed = {"quantisation": -1.0, "white noise": -0.5, "flicker": 0.0, "rate random walk": 0.5, "ramp": 1.0}
-    early, late = term.variance(np.array([1.0, 2.0]), 1e6)
+    early, late = term.variance(np.array([1.0, 2.0]), 1e-6, 1e6)
     assert 0.5 * np.log2(late / early) == pytest.approx(printed.get(term.name, 0.5), abs=1e-6)
     assert term.slope == printed.get(term.name, 0.5)
     assert term.timed == (term is GAUSS_MARKOV)

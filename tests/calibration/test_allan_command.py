@@ -215,8 +215,9 @@ def test_a_shorter_process_than_an_imu_has_makes_the_same_of_long_averages():
     )
     tau, values = found.correlation_time[0], parameters({GYRO: found}, 0.02)
     assert tau == pytest.approx(0.4, rel=0.1) and values["gyro_drift_time"] == 1.0
-    made_of = values["gyro_drift_sigma"] ** 2 * GAUSS_MARKOV.variance(1000.0, values["gyro_drift_time"])
-    np.testing.assert_allclose(made_of, found.of(GAUSS_MARKOV) ** 2 * GAUSS_MARKOV.variance(1000.0, tau), rtol=0.01)
+    expected = found.of(GAUSS_MARKOV) ** 2 * GAUSS_MARKOV.variance(1000.0, 0.02, tau)
+    made_of = values["gyro_drift_sigma"] ** 2 * GAUSS_MARKOV.variance(1000.0, 0.02, values["gyro_drift_time"])
+    np.testing.assert_allclose(made_of, expected, rtol=0.01)
 
 
 def test_an_fmu_that_is_no_imu_is_refused(rest, tmp_path_factory):

@@ -48,6 +48,7 @@ def test_white_noise_is_white_noise_and_nothing_else():
 MIXTURES = {
     "random walk": ([(made.white, 1.0), (made.walk, 0.01)], {WHITE: 1.0, RANDOM_WALK: 0.01}),
     "markov": ([(made.white, 1.0), (made.markov, 0.5, 100.0)], {WHITE: 1.0, GAUSS_MARKOV: 0.5}),
+    "short process": ([(made.white, 1.0), (made.markov, 3.0, 10.0)], {WHITE: 1.0, GAUSS_MARKOV: 3.0}),
     "pulses": ([(made.pulses, 1.0), (made.white, 0.02)], {QUANTISATION: 1.0 / np.sqrt(12.0), WHITE: 0.02}),
     "flicker": ([(made.white, 1.0), (made.flicker, 0.1)], {WHITE: 1.0, FLICKER: 0.1}),
 }

@@ -64,7 +64,9 @@ class Identification:
 
     def shares(self, time: np.ndarray) -> np.ndarray:
         """Allan variances of the terms at averaging times, s, (terms, times, axes)."""
-        shapes = _shapes(self.terms, time, self.correlation_time[0] if self.correlation_time else 1.0)
+        shapes = _shapes(
+            self.terms, time, self.chart.period, self.correlation_time[0] if self.correlation_time else 1.0
+        )
         return shapes.T[:, :, None] * self.coefficients[:, None, :] ** 2
 
     @property
@@ -114,12 +116,12 @@ def _price(chart: Chart, terms: Sequence[Term]) -> float:
     return len(terms) * coefficients + sum(term.timed for term in terms) * time
 
 
-def _shapes(terms: Sequence[Term], time: np.ndarray, tau: float) -> np.ndarray:
-    return np.stack([term.variance(time, tau) for term in terms], axis=1)
+def _shapes(terms: Sequence[Term], time: np.ndarray, period: float, tau: float) -> np.ndarray:
+    return np.stack([term.variance(time, period, tau) for term in terms], axis=1)
 
 
 def _likelihood(chart: Chart, terms: Sequence[Term], tau: float) -> float:
-    shapes = _shapes(terms, chart.time, tau)
+    shapes = _shapes(terms, chart.time, chart.period, tau)
     return _log_density(chart, shapes @ _squares(chart, shapes))
 
 
@@ -152,7 +154,7 @@ def _with_intervals(chart: Chart, terms: tuple[Term, ...], tau: float) -> Identi
     By the information I of L and the covariance J of its slope, I^-1 J I^-1: L takes averaging times for independent
     and averages for such as do not overlap, J has them as they are.
     """
-    shapes, timed = _shapes(terms, chart.time, tau), GAUSS_MARKOV in terms
+    shapes, timed = _shapes(terms, chart.time, chart.period, tau), GAUSS_MARKOV in terms
     squares = _squares(chart, shapes)
     model = shapes @ squares
     there = [(i, axis) for axis in range(squares.shape[1]) for i in range(len(terms)) if squares[i, axis] > 0.0]
@@ -182,4 +184,4 @@ def _with_intervals(chart: Chart, terms: tuple[Term, ...], tau: float) -> Identi
 
 def _gauss_markov(chart: Chart, tau: float, step: float) -> np.ndarray:
     """Allan variance of a Gauss-Markov process whose correlation time is longer by the factor exp(step)."""
-    return GAUSS_MARKOV.variance(chart.time, tau * float(np.exp(step)))
+    return GAUSS_MARKOV.variance(chart.time, chart.period, tau * float(np.exp(step)))
