@@ -70,7 +70,11 @@ def deviation(samples: np.ndarray, period: float, spans: np.ndarray) -> np.ndarr
 
 
 def markov(spans: np.ndarray, correlation_time: float) -> np.ndarray:
-    """Allan variance of a Gauss-Markov process of unit variance that is sampled every second, exact."""
+    """Allan variance of a Gauss-Markov process of unit variance that is sampled every second, exact.
+
+    That of the process itself, ``navfmu.calibration.allan.terms``, is averaged between samples too: at one sample of a
+    slow one it is two thirds of this.
+    """
     left = -np.expm1(-1.0 / correlation_time)  # 1 - phi, small
 
     def total(n: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -136,6 +138,18 @@ def test_too_few_stands_are_refused():
     rng = np.random.default_rng(3)
     with pytest.raises(NavfmuError, match=r"made: 6 stands leave nothing to tell .* from chance; expected more stands"):
         determine(made(rng, 0.1 * SIZES, faces(), table=False))
+
+
+def test_a_table_that_turned_the_other_way_is_refused():
+    """Wrong: scale factors of -2 in a parameter set."""
+    attitudes, turning = table()
+    rng = np.random.default_rng(5)
+    other = made(rng, 0.1 * SIZES, attitudes, turning)
+    rate, force = acting(attitudes, -turning)
+    with pytest.raises(
+        NavfmuError, match=r"gyro_scale_factor [xyz] would be -.* ppm; expected 2.5e\+05 at most: .*table_r"
+    ):
+        determine(replace(other, true_rate=rate, true_force=force))
 
 
 def test_an_error_that_there_is_not_is_refused():

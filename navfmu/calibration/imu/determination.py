@@ -11,12 +11,14 @@ from scipy import stats
 
 from navfmu.calibration.allan.sensor import ACCELEROMETER, SENSORS
 from navfmu.calibration.imu.fit import FREE, Fit, fit
-from navfmu.calibration.imu.stands import Stands
+from navfmu.calibration.imu.stands import ANGLES, TABLE_RATE, Stands
 from navfmu.calibration.imu.terms import MISALIGNMENT, Term, chosen, readings, specific_force, split
 from navfmu.errors import NavfmuError
 
 TOLD = 1.0 / 3.0
 """An element is told if its sigma is less than this share of what it is in a unit that nobody has calibrated."""
+LIKELY = 5.0
+"""Times that size, from which on an error is one of the recording."""
 CONFIDENCE = 0.95
 _START = np.array([1e-4, 1e-2])
 """Sigma of a mean rate and specific force with which to begin."""
@@ -101,7 +103,20 @@ def determine(stands: Stands, without: Iterable[str] = (), sigma: np.ndarray | N
             f"{stands.source}: {count} stands leave nothing to tell errors of the {short} from chance; expected more "
             "stands, in other attitudes, or fewer errors, by --without"
         )
-    return Determination(stands, terms, found)
+    determination = Determination(stands, terms, found)
+    _check_likely(determination)
+    return determination
+
+
+def _check_likely(found: Determination) -> None:
+    worst = max(found.elements, key=lambda element: abs(element.value) / element.term.size)
+    unit, factor = worst.term.shown
+    if abs(worst.value) > LIKELY * worst.term.size:
+        raise NavfmuError(
+            f"{found.stands.source}: {worst.name} would be {factor * worst.value:.3g} {unit}; expected "
+            f"{factor * LIKELY * worst.term.size:.3g} at most: axes, signs or units of the file are others, or those "
+            f"of {', '.join(ANGLES)} or {TABLE_RATE}"
+        )
 
 
 def lacking(found: Determination) -> list[str]:
