@@ -118,13 +118,16 @@ def test_axes_of_the_file_are_turned(tmp_path, seen):
         (lambda f: f.drop(columns=["rate_y"]), "has no column 'rate_y' for rate"),
         (lambda f: f.drop(columns=["pitch"]), "has no column 'pitch' for pitch"),
         (lambda f: f.assign(**{a: f[a] / 9.8 for a in FORCE}), "name the unit"),
+        (lambda f: f.assign(specific_force_z=f.specific_force_z.clip(-9.0, 9.0)), "specific_force z does not ch"),
+        (lambda f: f.assign(rate_y=np.round(f.rate_y, 1)), "rate y does not change in"),
         (lambda f: f.assign(time=1e3 * f.time), "--unit time=ms"),
         (lambda f: f.assign(**{a: 57.3 * f[a] for a in RATE}), "--unit rate=deg/s"),
         (lambda f: f.assign(roll=np.degrees(f.roll)), "--unit roll=deg"),
         (lambda f: f.assign(**{a: -f[a] for a in FORCE}), "forward, right, down"),
         (lambda f: f.assign(roll=f.roll + 1e-3 * f.time), "nothing is at rest for 10 s"),
     ],
-    ids=["short", "time", "nan", "column", "angle", "g", "ms", "rate in degrees", "degrees", "up", "never still"],
+    ids=["short", "time", "nan", "column", "angle", "g", "range", "resolution", "ms", "rate in degrees", "degrees", "up",
+         "never still"],
 )  # fmt: skip
 def test_what_is_no_recording_of_stands_is_refused(tmp_path, seen, change, sentence):
     """Each in a sentence that names what is wrong. Wrong: errors of 90 % in a table, a traceback."""

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from navfmu.calibration.allan.sensor import GYRO, SENSORS
-from navfmu.calibration.allan.stretches import SHORTEST, quiet
+from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
 from navfmu.calibration.columns import Columns
 from navfmu.calibration.imu.earth import gravity, rotation_n, to_body
 from navfmu.calibration.inertial import GAP, TIME, opened, usual
@@ -26,6 +26,8 @@ NORMAL = 2.03
 STEADY = 0.01
 """Without a table, a stand whose rate is this far from that of most, rad/s, is a turn: three times what a sensitivity
 of 0.1 deg/s/g makes of a unit turned upside down."""
+DEAD = 0.04
+"""Share of seconds without any change of a reading, at most."""
 PLAUSIBLE = 0.1
 """Share of gravity by which a mean specific force may be larger or smaller."""
 ANGLES = ("roll", "pitch", "heading")
@@ -81,6 +83,7 @@ def stands(
     angles = np.stack([found.values(angle) for angle in ANGLES], axis=1) if told else np.zeros((len(time), 3))
     turning = found.values(TABLE_RATE) if found.has(TABLE_RATE) else np.zeros(len(time))
     period, interval = usual(file, time), np.diff(time)
+    _check_alive(file, samples, period)
     smooth, wrong = _without_spikes(samples)
     parts = _pieces(smooth, interval, period, np.column_stack([angles[:, :2], turning]), angles[:, 2])
     here = gravity(latitude, altitude)
@@ -111,6 +114,19 @@ def stands(
     _check_rates(file, rate - true_rate)
     _check_told(file, force, true_force, here)
     return Stands(file.path, begin, lengths, rate, force, here, true_rate, true_force, tuple(sentences))
+
+
+def _check_alive(file: File, samples: np.ndarray, period: float) -> None:
+    """Refuse columns that often do not change for a second: where they rest is not to be seen then."""
+    second = max(FEWEST, round(1.0 / period))
+    whole = samples[: len(samples) // second * second].reshape(-1, second, samples.shape[1])
+    dead = np.mean(np.ptp(whole, axis=1) == 0.0, axis=0)
+    worst = int(np.argmax(dead))
+    if dead[worst] > DEAD:
+        raise NavfmuError(
+            f"{file.path}: {SENSORS[worst // 3].quantity} {'xyz'[worst % 3]} does not change in "
+            f"{100.0 * dead[worst]:.0f} % of the seconds; expected noise that neither the range of the sensor cuts off nor its resolution hides"
+        )
 
 
 def _without_spikes(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
