@@ -28,13 +28,15 @@ NAMES = ("I", "II", "III", "IV")
 def t33(task: Task) -> Found:
     """Count them by line of sight alone, for stations and airports at random places."""
     rng = np.random.default_rng(task.seed)
-    counts = []
+    even, near = [], []
     for number in range(DRAWS):
-        counts.append(Country.drawn(rng).counts())
+        country = Country.drawn(rng)
+        even.append(country.counts())
+        near.append(country.with_stations_at_airports().counts())
         task.progress(number + 1, DRAWS)
-    found = np.array(counts)
+    found, at = np.array(even), np.array(near)
     words = f"Stations by option: printed, and {DRAWS} countries of stations and airports at random places"
-    return Found(compared(found), picture(found), words, NOTES)
+    return Found(compared(found, at), picture(found, at), words, NOTES)
 
 
 NOTES = (
@@ -56,6 +58,10 @@ class Country:
     def drawn(cls, rng: np.random.Generator) -> Country:
         """Places that are all as likely."""
         return cls(rng.uniform(size=(STATIONS, 2)) * AREA, rng.uniform(size=(AIRPORTS, 2)) * AREA)
+
+    def with_stations_at_airports(self) -> Country:
+        """The same, but a station stands at each airport."""
+        return Country(np.concatenate([self.airports, self.stations[len(self.airports) :]]), self.airports)
 
     def counts(self) -> list[tuple[int, int]]:
         """Stations in all and new ones, of each option."""
@@ -87,23 +93,19 @@ def taken(heard: np.ndarray, need: np.ndarray) -> int:
     return count
 
 
-def compared(found: np.ndarray) -> list[Comparison]:
-    """The printed number of all stations beside ours, (draws, options, 2)."""
+def compared(found: np.ndarray, at: np.ndarray) -> list[Comparison]:
+    """Printed numbers of stations, all and new ones, beside ours, (draws, options, 2), and those ``at`` airports."""
     comparisons = []
-    for i, (least, height, printed, _) in enumerate(OPTIONS):
-        total = found[:, i, 0]
-        spread = 2.6 * float(np.std(total))
-        places = Difference(
-            0.67 * printed, 1.5 * printed,
-            "busy airports and stations are not spread evenly, and which are taken was not looked for as here; the "
-            "thesis gives no places",
-        )  # fmt: skip
-        what = f"option {NAMES[i]}, {least} stations at {height:g} ft"
-        why = f"one country of ours in a hundred is farther than {spread:.0f} from their mean"
-        mean = float(np.mean(total))
-        comparisons.append(
-            Comparison(what, str(printed), mean, printed - spread, printed + spread, why, difference=places)
-        )
+    for i, option in enumerate(OPTIONS):
+        least, height, *printed = option
+        for column, text in enumerate(("stations", "of them new")):
+            ours, spread = found[:, i, column], 2.6 * float(np.std(found[:, i, column]))
+            what = f"option {NAMES[i]}, {least} at {height:g} ft: {text}"
+            why = f"one country of ours in a hundred is farther than {spread:.0f} from their mean"
+            known = (all_of, new_of)[column](printed[column], float(np.mean(at[:, i, column])), least)
+            edges = printed[column] - spread, printed[column] + spread
+            mean = float(np.mean(ours))
+            comparisons.append(Comparison(what, str(printed[column]), mean, *edges, why, difference=known))
     low, high = (float(x) for x in np.quantile(found[:, 3, 0] / STATIONS, [0.005, 0.995]))
     share = Comparison(
         "option IV of all stations that there are", "about 1/2", float(np.mean(found[:, 3, 0])) / STATIONS, 0.4, 0.6,
@@ -112,16 +114,38 @@ def compared(found: np.ndarray) -> list[Comparison]:
     return [*comparisons, share]
 
 
-def picture(found: np.ndarray) -> bytes:
+def all_of(printed: int, at: float, least: int) -> Difference:
+    """Why all stations together may be more or fewer."""
+    return Difference(
+        0.67 * printed,
+        1.5 * printed,
+        "the thesis gives no places, and airports are not spread evenly; which stations are taken was not looked for "
+        f"as here. With a station at each airport ours are {at:.0f}",
+    )
+
+
+def new_of(printed: int, at: float, least: int) -> Difference:
+    """Why new stations may be more or fewer."""
+    return Difference(
+        min(printed, at),
+        float(least * AIRPORTS),
+        f"old stations stand near airports, not evenly: with one at each airport ours are {at:.0f}, and all together "
+        "hardly fewer",
+    )
+
+
+def picture(found: np.ndarray, at: np.ndarray) -> bytes:
     """Stations in all and new ones, printed and ours."""
     with figure(1, 2, size=(11.0, 4.4)) as (drawing, axes):
         place = np.arange(len(OPTIONS))
         for axis, column, text in zip(axes, (0, 1), ("All stations", "New stations"), strict=True):
             printed = [option[2 + column] for option in OPTIONS]
-            axis.bar(place - 0.2, printed, 0.38, color=COLOURS[1], label="thesis")
-            axis.bar(place + 0.2, found[:, :, column].mean(axis=0), 0.38, color=COLOURS[0], label="ours, mean")
-            for i in place:
-                axis.plot(np.full(len(found), i + 0.2), found[:, i, column], "_", color="black", ms=6, mew=0.4)
+            axis.bar(place - 0.27, printed, 0.25, color=COLOURS[1], label="thesis")
+            for ours, off, text_of in ((found, 0.0, "spread evenly"), (at, 0.27, "a station at each airport")):
+                colour = COLOURS[0] if ours is found else COLOURS[5]
+                axis.bar(place + off, ours[:, :, column].mean(axis=0), 0.25, color=colour, label=f"ours, {text_of}")
+                for i in place:
+                    axis.plot(np.full(len(ours), i + off), ours[:, i, column], "_", color="black", ms=6, mew=0.4)
             axis.set_xticks(place, [f"{n}: {o[0]} at {o[1]:g} ft" for n, o in zip(NAMES, OPTIONS, strict=True)])
             axis.tick_params(axis="x", labelsize=8)
             axis.legend()
