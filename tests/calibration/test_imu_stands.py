@@ -126,8 +126,8 @@ def test_axes_of_the_file_are_turned(tmp_path, seen):
         (lambda f: f.assign(**{a: -f[a] for a in FORCE}), "forward, right, down"),
         (lambda f: f.assign(roll=f.roll + 1e-3 * f.time), "nothing is at rest for 10 s"),
     ],
-    ids=["short", "time", "nan", "column", "angle", "g", "range", "resolution", "ms", "rate in degrees", "degrees", "up",
-         "never still"],
+    ids=["short", "time", "nan", "column", "angle", "g", "range", "resolution", "ms", "degrees a second", "degrees",
+         "up", "never still"],
 )  # fmt: skip
 def test_what_is_no_recording_of_stands_is_refused(tmp_path, seen, change, sentence):
     """Each in a sentence that names what is wrong. Wrong: errors of 90 % in a table, a traceback."""

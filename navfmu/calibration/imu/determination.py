@@ -100,8 +100,8 @@ def determine(stands: Stands, without: Iterable[str] = (), sigma: np.ndarray | N
     if sigma is None and np.any(found.left < FREE):
         short = ACCELEROMETER.quantity if found.left[1] < FREE else SENSORS[0].quantity
         raise NavfmuError(
-            f"{stands.source}: {count} {'stand leaves' if count == 1 else 'stands leave'} nothing to tell errors of the "
-            f"{short} from chance; expected more stands, in other attitudes, or fewer errors, by --without"
+            f"{stands.source}: {count} {'stand leaves' if count == 1 else 'stands leave'} nothing to tell errors of "
+            f"the {short} from chance; expected more stands, in other attitudes, or fewer errors, by --without"
         )
     determination = Determination(stands, terms, found)
     _check_likely(determination)

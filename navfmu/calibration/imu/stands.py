@@ -125,7 +125,8 @@ def _check_alive(file: File, samples: np.ndarray, period: float) -> None:
     if dead[worst] > DEAD:
         raise NavfmuError(
             f"{file.path}: {SENSORS[worst // 3].quantity} {'xyz'[worst % 3]} does not change in "
-            f"{100.0 * dead[worst]:.0f} % of the seconds; expected noise that neither the range of the sensor cuts off nor its resolution hides"
+            f"{100.0 * dead[worst]:.0f} % of the seconds; expected noise that neither the range of the sensor cuts off "
+            "nor its resolution hides"
         )
 
 
