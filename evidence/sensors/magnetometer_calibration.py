@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
 from evidence.section import Section, left_out, recorded
 from navfmu.calibration.magnetometer.choice import AUTOMATIC, Chosen, choose
+from navfmu.calibration.magnetometer.locus import HARD_IRON, SPHERE, Locus, fit
 from navfmu.calibration.magnetometer.recording import recording
 from navfmu.calibration.magnetometer.strips import GAUSS, Runs, table
 from navfmu.calibration.magnetometer.swinging import wrap
@@ -37,6 +40,9 @@ OTHERS = {"swisslog1": ((18.0, 143.0), 47.82e-6), "alfa_engine_failure": ((0.0, 
 LEVEL = np.radians(20.0)
 MOST = 5.05
 """Degrees, rms: what a sphere that was fitted to the whole flight has on that same flight."""
+PARTS = 6
+"""Of the flight, each with a calibration of its own: do they agree as their covariances say?"""
+CHANCE = 1e-3
 RUNS = 200
 HELD = 0.5
 """mG: errors of x and y of the thesis's two steps (Fig 3.24)."""
@@ -69,7 +75,7 @@ def run(out: Path) -> Section:
     learned = [learn(folder / FLOWN, seconds) for seconds in LEARNED]
     others = {name: asked(folder / name, *OTHERS[name]) for name in OTHERS}
     strips = table(RUNS)
-    found = section(learned, others, strips)
+    found = section(learned, others, strips, parts(folder / FLOWN))
     write_file(out / "sensors" / "magnetometer_calibration.png", picture(learned, strips, found.claims[0]))
     return found
 
@@ -109,8 +115,34 @@ def asked(flight: Path, airborne: tuple[float, float], strength: float) -> tuple
     return chosen.method, chosen.refused[0].removeprefix("ellipsoid: ") if chosen.refused else ""
 
 
-def section(learned: Sequence[Learned], others: Mapping[str, tuple[str, str]], strips: Sequence[Runs]) -> Section:
-    """Three claims, and two tables."""
+def parts(flight: Path) -> Mapping[str, float]:
+    """Probability that calibrations of parts of a flight, by family, differ as much as they do, or more."""
+    edges = np.linspace(*AIRBORNE, PARTS + 1)
+    taken = [
+        recording(flight / "magnetometer.parquet", {}, {}, begin=begin, end=end).measured
+        for begin, end in pairwise(edges)
+    ]
+    return {
+        family.name: agreement([fit(family, fields, STRENGTH) for fields in taken]) for family in (HARD_IRON, SPHERE)
+    }
+
+
+def agreement(loci: Sequence[Locus]) -> float:
+    """Probability by chi-square, of all unknowns, about the mean that is best by the covariances."""
+    found = [np.concatenate([one.centre, one.family.unknowns(one.matrix)]) for one in loci]
+    weights = [np.linalg.inv(one.covariance) for one in loci]
+    mean = np.linalg.solve(sum(weights), sum(w @ x for w, x in zip(weights, found, strict=True)))
+    distance = sum((x - mean) @ w @ (x - mean) for w, x in zip(weights, found, strict=True))
+    return float(stats.chi2.sf(distance, (len(loci) - 1) * len(mean)))
+
+
+def section(
+    learned: Sequence[Learned],
+    others: Mapping[str, tuple[str, str]],
+    strips: Sequence[Runs],
+    agree: Mapping[str, float],
+) -> Section:
+    """Four claims, and tables."""
     last = learned[-1]
     held = max(float(np.max(one.largest()[:2])) for one in strips) / (1e-3 * GAUSS)
     thin = min(strips, key=lambda one: one.case.strip / one.case.noise)
@@ -125,6 +157,10 @@ def section(learned: Sequence[Learned], others: Mapping[str, tuple[str, str]], s
         Claim(
             f"The thesis's two steps hold the hard iron of x and y, {many}", held, HELD, False, "mG, the largest error",
             "The thesis's two steps err by more than the thesis says",
+        ),
+        Claim(
+            f"Calibrations of {PARTS} parts of the flight differ by what their covariances say", min(agree.values()),
+            CHANCE, True, "probability", f"Calibrations of {PARTS} parts of the flight differ by more than they say",
         ),
         Claim(
             "The batch diverges most in the thin strip with noise, by this much of its runs more than elsewhere",

@@ -170,6 +170,27 @@ def test_a_level_turn_gives_x_and_y(tmp_path):
     assert "ellipse" in automatic.output.splitlines()[0]
 
 
+def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path):
+    """Eight headings, three samples at each, and the FMU that gets what they tell. Wrong: degrees for radians, the
+    strength for the horizontal field, the heading's sign."""
+    heading = np.repeat(np.arange(0.0, 360.0, 45.0), 3)
+    turn = np.radians(heading)
+    level = 2.3e-5 * np.stack([np.cos(turn), -np.sin(turn)], axis=1) + np.array([6e-7, -4e-7])
+    rng = np.random.default_rng(6)
+    samples = np.hstack([level, np.full((24, 1), 4e-5)]) + 2e-8 * rng.standard_normal((24, 3))
+    many = np.concatenate([samples] * 3)
+    file = table(tmp_path / "swing.csv", many, heading=np.concatenate([heading] * 3))
+    done = navfmu(
+        file, "--method", "swinging", "--unit", "heading=deg", "--table", tmp_path / "swing.json",
+        "--picture", tmp_path / "swing.png",
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    values = {row["name"]: row["value"] for row in json.loads((tmp_path / "swing.json").read_text())["values"]}
+    assert values["B"] == pytest.approx(np.degrees(-6e-7 / 2.3e-5), abs=0.1)
+    assert values["C"] == pytest.approx(np.degrees(4e-7 / 2.3e-5), abs=0.1)
+    assert matplotlib.image.imread(tmp_path / "swing.png").shape[2] == 4
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -199,6 +220,7 @@ def test_what_cannot_be_is_a_sentence(sphere, words, sentence):
     ("change", "sentence"),
     [
         (lambda frame: frame.assign(field_y=np.where(frame.index == 7, np.nan, frame.field_y)), "line 9"),
+        (lambda frame: frame.assign(field_y=np.where(frame.index == 7, 0.01, frame.field_y)), "line 9: the field is"),
         (lambda frame: frame.assign(field_z=4e-5), "along z has one value only"),
         (lambda frame: frame.iloc[:20], "20 samples are too few"),
         (lambda frame: frame.drop(columns="field_x"), "has no column 'field_x'"),

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from evidence.sensors import magnetometer_calibration as evidence
+from navfmu.calibration.magnetometer.locus import SPHERE, fit
 from navfmu.calibration.magnetometer.strips import table
 from navfmu.report.page import Page
+from tests.calibration import turned
 
 IRON = np.array([3.9e-5, -1.6e-5, 4.0e-5])
 
@@ -51,9 +56,22 @@ def test_the_section_follows_the_heading(flight, turn, holds):
     """Wrong: a title that is always the same."""
     one = evidence.learn(flight, 120.0)
     one = evidence.Learned(one.seconds, one.chosen, one.time, one.error + np.radians(turn), one.level)
-    section = evidence.section([one], {"other": ("none", "errors of 20 %")}, table(3))
+    section = evidence.section([one], {"other": ("none", "errors of 20 %")}, table(3), {"sphere": 0.2})
     assert section.claims[0].holds is holds
     page = Page("")
     section.write(page)
     assert ("does not give the heading" in page.html()) is not holds
     assert "errors of 20 %" in page.html()
+
+
+def test_agreement_is_a_probability_by_chi_square():
+    """40 sets of six calibrations of one triad are spread evenly; one centre that is off by 20 sigma is told. Wrong:
+    degrees of freedom that count the mean, errors of one calibration for those of all."""
+    sets = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        sets.append([fit(SPHERE, turned.measured(rng, np.pi, 200, 5e-7, np.eye(3)), turned.FIELD) for _ in range(6)])
+    assert stats.kstest([evidence.agreement(loci) for loci in sets], "uniform").pvalue > 1e-4
+    one, *rest = sets[0]
+    off = replace(one, centre=one.centre + 20.0 * np.sqrt(np.diag(one.covariance)[:3]))
+    assert evidence.agreement([off, *rest]) < 1e-6

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from navfmu.calibration.magnetometer import parameters
-from navfmu.calibration.magnetometer.choice import Chosen, choose
+from navfmu.calibration.magnetometer.choice import METHODS, Chosen, choose
 from navfmu.calibration.magnetometer.parameters import Errors
 from navfmu.calibration.magnetometer.picture import draw, draw_swing
 from navfmu.calibration.magnetometer.place import Field
@@ -73,8 +73,9 @@ def _said(chosen: Chosen) -> list[str]:
     locus = chosen.locus
     span = "in a level turn" if chosen.angle is None else f"in a strip of {np.degrees(chosen.angle):.0f} degrees"
     found = [
+        METHODS[chosen.method].text,
         f"{1e6 * locus.sigma:.3g} uT of {1e6 * locus.field:.4g} are left, rms; a corrected field has errors of "
-        f"{100.0 * chosen.error:.2g} % at most, one standard deviation, {span}, where the triad was turned"
+        f"{100.0 * chosen.error:.2g} % at most, one standard deviation, {span}, where the triad was turned",
     ]
     if locus.correlation > 2.0:
         found.append(f"what is left goes together: {locus.correlation:.0f} samples are as good as one")

@@ -25,17 +25,19 @@ SHOWN = 400
 
 @dataclass(frozen=True)
 class Method:
-    """``fit(measured, strength)`` gives a locus or None; ``level`` ones take x and y and the horizontal field."""
+    """``fit(measured, strength)`` gives a locus or None; ``level`` ones take x and y and the horizontal field.
+    ``failed`` is what None means."""
 
     text: str
     family: Family
     fit: Callable[[np.ndarray, float], Locus | None]
     level: bool = False
+    failed: str = "the iteration diverged"
 
 
 METHODS = {
     **{family.name: Method(family.text, family, partial(fit, family)) for family in FAMILIES},
-    "two-step": Method("thesis (3.69)-(3.80), a gain for each axis", AXES, two_step),
+    "two-step": Method("thesis (3.69)-(3.80), a gain for each axis", AXES, two_step, failed="it finds no ellipsoid"),
     "batch": Method("thesis (3.66)-(3.68), a gain for each axis", AXES, batch),
     "ellipse": Method("a level turn, hard iron and a gain for x and y, CMFD-2 (3.60)", AXES, partial(fit, AXES), True),
     "circle": Method("a level turn, hard iron, CMFD-2 (3.57)", SPHERE, partial(fit, SPHERE), True),
@@ -84,27 +86,35 @@ def _judged(name: str, measured: np.ndarray, strength: float | None, horizontal:
     if strength is None and name == HARD_IRON.name:
         return "it needs the strength of the field; expected --field or --place"
     field = strength or _radius(measured)
-    locus = method.fit(measured, field)
-    found = locus or _smaller(method.family, measured, field)
-    if found is None:
+    simple, locus = _simple(method.family, measured, field), method.fit(measured, field)
+    if simple is None:
         return "the fields lie next to no surface"
-    if strength is None:
-        found = found.of_mean_gain()
-    directions = found.corrected(measured)
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
-    error = float(np.max(found.errors(directions[:: 1 + len(directions) // SHOWN]))) / found.field
-    angle = None if method.level else strip(directions)
-    if locus is None or not error <= LIMIT:
-        return f"{'' if locus else 'the iteration diverged; '}{_why(error, angle)}"
-    return Chosen(name, found, error, angle, ())
+    error, angle = _error(simple, measured), None if method.level else strip(_directions(simple, measured))
+    if locus is None:
+        return f"{method.failed}; {_why(error, angle)}"
+    if (found := _error(locus, measured)) <= LIMIT:
+        return Chosen(name, locus if strength else locus.of_mean_gain(), found, angle, ())
+    return _why(error if error > LIMIT else found, angle)
 
 
-def _smaller(family: Family, measured: np.ndarray, field: float) -> Locus | None:
-    """What is nearest of a smaller family, as one of this: to say what errors it had where it is not to be found."""
+def _simple(family: Family, measured: np.ndarray, field: float) -> Locus | None:
+    """The nearest sphere as a surface of a family: it has what errors of the family can be had from these turns, and
+    the angle that they span, also where the nearest of the family is none."""
     for other in (SPHERE, HARD_IRON):
         if (found := fit(other, measured, field)) is not None:
             return member(family, found, measured)
     return None
+
+
+def _directions(locus: Locus, measured: np.ndarray) -> np.ndarray:
+    corrected = locus.corrected(measured)
+    return corrected / np.linalg.norm(corrected, axis=1)[:, None]
+
+
+def _error(locus: Locus, measured: np.ndarray) -> float:
+    """Largest standard deviation of a corrected field where the triad was turned, over its strength."""
+    directions = _directions(locus, measured[:: 1 + len(measured) // SHOWN])
+    return float(np.max(locus.errors(directions))) / locus.field
 
 
 def _why(error: float, angle: float | None) -> str:

@@ -67,7 +67,7 @@ def _symmetric(axes: int) -> np.ndarray:
     return np.concatenate([_diagonal(axes), across])
 
 
-HARD_IRON = Family("hard-iron", "hard iron alone", lambda axes: np.zeros((0, axes, axes)), 1.0)
+HARD_IRON = Family("hard-iron", "hard iron, with gains of 1", lambda axes: np.zeros((0, axes, axes)), 1.0)
 SPHERE = Family("sphere", "hard iron and one gain", _single)
 AXES = Family("axes", "hard iron and a gain for each axis, (3.65)", _diagonal)
 ELLIPSOID = Family("ellipsoid", "hard iron, gains and soft iron", _symmetric)

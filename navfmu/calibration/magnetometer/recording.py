@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,16 +23,20 @@ PLAUSIBLE = (0.05, 50.0)
 """Size of a measured field over that of Earth's: hard iron of many gauss and gains of 4 are in the thesis."""
 EARTH = 5e-5
 """T, where no strength is told: 22 to 67 uT are on Earth."""
+WILD = 10.0
+"""A field that is farther from the one in the middle, over Earth's, was not measured: gains of 4 make twice 4 of it."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """``measured`` fields (samples, 3), T, forward, right, down; ``heading`` (samples,), rad, magnetic, or None."""
+    """``measured`` fields (samples, 3), T, forward, right, down; ``heading`` (samples,), rad, magnetic, or None;
+    ``places`` says where each sample stands in the file."""
 
     source: str
     measured: np.ndarray
     heading: np.ndarray | None
     sentences: tuple[str, ...]
+    places: Callable[[int], str]
 
 
 def recording(
@@ -62,7 +66,9 @@ def recording(
     if every > 1:
         rows = rows[::every]
         told.append(f"one row of {every} is taken, {len(rows)}")
-    return Recording(file.path, measured[rows], None if heading is None else heading[rows], tuple(told))
+    return Recording(
+        file.path, measured[rows], None if heading is None else heading[rows], tuple(told), lambda i: file.row(rows[i])
+    )
 
 
 def check_strength(taken: Recording, strength: float | None) -> None:
@@ -73,6 +79,14 @@ def check_strength(taken: Recording, strength: float | None) -> None:
         raise NavfmuError(
             f"{taken.source}: the field is {size:.3g} T in the middle; expected {low:.1g} to {high:.1g}; name the unit "
             "of the file, as in --unit field=mG"
+        )
+    off = np.linalg.norm(taken.measured - np.median(taken.measured, axis=0), axis=1)
+    if not np.max(off) <= WILD * (strength or EARTH):
+        at = int(np.argmax(off))
+        told = ", ".join(f"{x:.3g}" for x in taken.measured[at])
+        raise NavfmuError(
+            f"{taken.source}, {taken.places(at)}: the field is {told} T, {np.max(off):.2g} from that in the middle; "
+            f"expected {WILD * (strength or EARTH):.2g} at most; leave out what was not measured"
         )
     if not np.all(np.ptp(taken.measured, axis=0) > 0.0):
         axis = "xyz"[int(np.argmin(np.ptp(taken.measured, axis=0)))]
