@@ -205,10 +205,9 @@ def picture(learned: Sequence[Learned], strips: Sequence[Runs], claim: Claim) ->
             largest = [one.largest()[i] / (1e-3 * GAUSS) for one in strips]
             cases.bar(place + 0.2 * (i - 1), largest, 0.18, color=colour, label=f"two steps, {name}")
         cases.axhline(HELD, color=GREY, lw=1, ls="--")
-        labels = [
-            f"{one.case.strip:g} deg, {one.case.noise:g} mG\nbatch diverges: {_case(one)[-1]} %" for one in strips
-        ]
+        labels = [f"{one.case.strip:g} deg\n{one.case.noise:g} mG\n{_case(one)[-1]} %" for one in strips]
         cases.set_xticks(place, labels)
+        cases.set_xlabel("strip of the sphere; noise; runs in which the batch diverges")
         cases.set_ylabel("largest error of the hard iron, mG")
         cases.legend()
         title(drawing, cases, f"Table 3.3, {len(strips[0].batch)} runs a case")
