@@ -1,14 +1,13 @@
-"""Thesis Table 3.3 and section 3.12: strips of the sphere, and what a calibration leaves of a heading."""
+"""Thesis Table 3.3: strips of the sphere."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import signal, stats
+from scipy import stats
 
-from navfmu.calibration.magnetometer import heading, strips
+from navfmu.calibration.magnetometer import strips
 from navfmu.calibration.magnetometer.strips import GAUSS
-from navfmu.calibration.magnetometer.swinging import needle, wrap
 
 RUNS = 60
 
@@ -54,33 +53,3 @@ def test_the_table_is_the_same_for_any_number_of_processes(runs):
     for one, two in zip(strips.table(6, seed=3, jobs=2), runs, strict=True):
         np.testing.assert_array_equal(one.two_step, two.two_step[:6])
         np.testing.assert_array_equal(one.batch, two.batch[:6])
-
-
-def test_a_residual_turns_the_needle_as_3_48_says():
-    """Wrong: sine and cosine exchanged, signs, B_H for the strength."""
-    left, turn = np.array([3e-8, -5e-8]), np.radians(np.arange(0.0, 360.0, 10.0))
-    level = 2.3e-5 * np.stack([np.cos(turn), -np.sin(turn)], axis=1)
-    np.testing.assert_allclose(
-        heading.of_residual(left, 2.3e-5, turn), wrap(needle(level + left) - needle(level)), atol=1e-5
-    )
-    assert np.max(heading.of_residual(np.array([7e-7, 7e-7]), 2.3e-5)) == pytest.approx(
-        heading.largest(7e-7, 2.3e-5), rel=1e-4
-    )
-
-
-def test_the_process_has_its_variance_its_time_and_its_spectrum():
-    """200 runs of 20 minutes, and Welch's spectrum, by scipy, beside the closed form.
-
-    Wrong: 2 sigma^2 / tau for the variance of a step, a start from zero, noise per root second.
-    """
-    made = heading.process(200, 1200, seed=1)
-    free = 200 * 1200 / (2.0 * heading.TIME) * 2.0  # of the mean square: correlation exp(-2 t / tau) on both sides
-    assert np.mean(made.slow**2) == pytest.approx(heading.SLOW**2, rel=5.0 * np.sqrt(2.0 / free))
-    assert np.mean(made.slow[:, 0] ** 2) == pytest.approx(heading.SLOW**2, rel=5.0 * np.sqrt(2.0 / 200))
-    assert made.correlation(120) == pytest.approx(np.exp(-1.0), abs=5.0 * np.sqrt(1.0 / free))
-    assert np.var(made.error - made.slow) == pytest.approx(heading.WHITE**2, rel=5.0 * np.sqrt(2.0 / 240000))
-    frequency, density = signal.welch(made.error, 1.0, nperseg=600, axis=1)
-    phi = np.exp(-1.0 / heading.TIME)
-    slow = heading.SLOW**2 * (1.0 - phi**2) / np.abs(1.0 - phi * np.exp(-2j * np.pi * frequency)) ** 2
-    expected = 2.0 * (slow + heading.WHITE**2)
-    assert np.all(np.abs(np.mean(density, axis=0)[20:-1] / expected[20:-1] - 1.0) < 0.25)

@@ -77,6 +77,10 @@ def _said(chosen: Chosen) -> list[str]:
         f"{1e6 * locus.sigma:.3g} uT of {1e6 * locus.field:.4g} are left, rms; a corrected field has errors of "
         f"{100.0 * chosen.error:.2g} % at most, one standard deviation, {span}, where the triad was turned",
     ]
+    if chosen.untold > 1e-6:
+        found.append(
+            f"gains and soft iron that the method leaves out add {100.0 * chosen.untold:.2g} % for each percent of them"
+        )
     if locus.correlation > 2.0:
         found.append(f"what is left goes together: {locus.correlation:.0f} samples are as good as one")
     return found

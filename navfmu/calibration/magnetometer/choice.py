@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from navfmu.calibration.magnetometer.batch import batch
 from navfmu.calibration.magnetometer.coverage import strip
-from navfmu.calibration.magnetometer.locus import AXES, FAMILIES, HARD_IRON, SPHERE, Family, Locus, fit, member
+from navfmu.calibration.magnetometer.locus import (
+    AXES,
+    FAMILIES,
+    HARD_IRON,
+    SPHERE,
+    Family,
+    Locus,
+    fit,
+    member,
+    with_untold,
+)
 from navfmu.calibration.magnetometer.two_step import two_step
 from navfmu.errors import NavfmuError, nearest
 
@@ -50,11 +60,13 @@ DOWN = ("ellipsoid", "axes", "sphere", "hard-iron", "ellipse", "circle")
 @dataclass(frozen=True)
 class Chosen:
     """``locus`` by ``method``; ``error`` is its largest standard deviation where the triad was turned, over the field
-    strength; ``angle`` the strip of the sphere, rad, or None in the plane; ``refused`` says why not what was asked."""
+    strength, and ``untold`` what gains and soft iron of a percent, which it leaves out, add; ``angle`` the strip of the
+    sphere, rad, or None in the plane; ``refused`` says why not what was asked."""
 
     method: str
     locus: Locus
     error: float
+    untold: float
     angle: float | None
     refused: tuple[str, ...]
 
@@ -69,7 +81,7 @@ def choose(measured: np.ndarray, strength: float | None, horizontal: float | Non
     for name in tried:
         found = _judged(name, measured, strength, horizontal)
         if isinstance(found, Chosen):
-            return Chosen(found.method, found.locus, found.error, found.angle, tuple(refused))
+            return replace(found, refused=tuple(refused))
         refused.append(f"{name}: {found}")
     raise NavfmuError(f"{source}: no calibration is to be had from these fields: {'; '.join(refused)}")
 
@@ -93,7 +105,8 @@ def _judged(name: str, measured: np.ndarray, strength: float | None, horizontal:
     if locus is None:
         return f"{method.failed}; {_why(error, angle)}"
     if (found := _error(locus, measured)) <= LIMIT:
-        return Chosen(name, locus if strength else locus.of_mean_gain(), found, angle, ())
+        untold = _error(with_untold(locus, measured), measured)
+        return Chosen(name, locus if strength else locus.of_mean_gain(), found, untold, angle, ())
     return _why(error if error > LIMIT else found, angle)
 
 
@@ -128,7 +141,7 @@ def _why(error: float, angle: float | None) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share < 1.0 else "more than all"
+    return f"{100.0 * share:.3g} %" if share < 1.0 else "more than all"
 
 
 def _radius(measured: np.ndarray) -> float:

@@ -26,6 +26,8 @@ STEPS = 50
 """Of Gauss and Newton, at most."""
 SMALL = 1e-8
 """Change of the parameters, in field strengths, at which a fit has come to its end."""
+UNTOLD = 0.01
+"""Standard deviation of gains and soft iron for which it is said what they do where they are not told."""
 FEW = 1000
 """Samples among which a fit finds its way, before all are taken."""
 
@@ -148,6 +150,20 @@ def member(family: Family, other: Locus, measured: np.ndarray) -> Locus:
     """A surface of a smaller family as one of a larger: what errors that one would have if it were the truth."""
     x = np.concatenate([other.centre / other.field, family.unknowns(other.matrix)])
     return _there(family, x, measured, other.field, other.sigma / other.field)
+
+
+def with_untold(locus: Locus, measured: np.ndarray) -> Locus:
+    """The surface as an ellipsoid whose covariance is what gains and soft iron do that its family leaves out, each of
+    them wrong by UNTOLD and independent of the others: they go into what is found, and stay in what is corrected."""
+    axes, bases = len(locus.centre), locus.family.gains(len(locus.centre))
+    x = np.concatenate([locus.centre / locus.field, ELLIPSOID.unknowns(locus.matrix)])
+    _, slopes = distances_and_slopes(x, ELLIPSOID, measured / locus.field, 0.0)
+    found = np.zeros((len(x), axes + len(bases)))  # what the family finds, as unknowns of the ellipsoid
+    found[:axes, :axes] = np.eye(axes)
+    found[axes:, axes:] = np.reshape([ELLIPSOID.unknowns(base) for base in bases], (len(bases), len(x) - axes)).T
+    wrong = (found @ np.linalg.pinv(slopes @ found) @ slopes - np.eye(len(x)))[:, axes:] * UNTOLD
+    wrong[:axes] *= locus.field
+    return replace(locus, family=ELLIPSOID, covariance=wrong @ wrong.T)
 
 
 def _there(family: Family, x: np.ndarray, measured: np.ndarray, field: float, sigma: float) -> Locus:

@@ -1,0 +1,69 @@
+"""Which calibration turns allow: whatever they are, no answer is wild."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from scipy.spatial.transform import Rotation
+
+from navfmu.calibration.magnetometer.choice import AUTOMATIC, LIMIT, METHODS, choose
+from navfmu.calibration.magnetometer.locus import UNTOLD
+from navfmu.errors import NavfmuError
+from tests.calibration.turned import FIELD
+
+FLIGHTS = 60
+SOFT = 0.03
+"""Standard deviation of gains and soft iron."""
+
+
+def slowly(rng, sigma, samples, count):
+    """Numbers (count,) that go together over so many samples."""
+    keep = 1.0 - 1.0 / samples
+    return sigma * np.sqrt(1.0 - keep**2) * lfilter([1.0], [1.0, -keep], rng.standard_normal(count))
+
+
+def flight(seed):
+    """Fields and what they were, T, of a flight at any dip, with few or many turns, and noise part of which is slow."""
+    rng = np.random.default_rng(seed)
+    count, dip = int(rng.integers(60, 2000)), np.radians(rng.uniform(20.0, 80.0))
+    yaw = rng.uniform(0.0, 6.0) + 0.1 * np.cumsum(rng.standard_normal(count))
+    roll, pitch = (np.radians(slowly(rng, rng.uniform(*most), 30.0, count)) for most in ((2.0, 40.0), (1.0, 15.0)))
+    turned = Rotation.from_euler("ZYX", np.stack([yaw, pitch, roll], axis=1)).inv()
+    true = FIELD * turned.apply([np.cos(dip), 0.0, np.sin(dip)])
+    soft = SOFT * rng.standard_normal((3, 3))
+    gained, iron = np.eye(3) + 0.5 * (soft + soft.T), FIELD * rng.uniform(-1.0, 1.0, 3)
+    size = FIELD * 10.0 ** rng.uniform(-2.7, -1.7)
+    noise = size * (rng.standard_normal((count, 3)) + np.outer(slowly(rng, 1.0, 40.0, count), rng.standard_normal(3)))
+    return true @ gained + iron + 0.7 * noise, true @ gained + iron, true
+
+
+def test_no_answer_is_wild():
+    """60 flights: the largest error of a corrected field, of all samples, is below four times what is said, its own
+    errors and those of the gains and the soft iron that are left out: of three normal numbers 1 of 900 is beyond.
+
+    Wrong: an ellipsoid without end, a sphere in fields of a straight flight, samples that are taken for independent.
+    """
+    methods = []
+    for seed in range(FLIGHTS):
+        measured, clean, true = flight(seed)
+        try:
+            one = choose(measured, FIELD, None, AUTOMATIC, "made")
+        except NavfmuError:
+            methods.append("none")
+            continue
+        methods.append(one.method)
+        if METHODS[one.method].level:
+            continue
+        error = np.max(np.linalg.norm(one.locus.corrected(clean) - true, axis=1)) / FIELD
+        assert one.error <= LIMIT
+        assert error < 4.0 * np.hypot(one.error, SOFT / UNTOLD * one.untold), seed
+    assert {"ellipsoid", "sphere", "hard-iron"} <= set(methods)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_straight_flight_tells_nothing(method):
+    """Wrong: centre and gains from the noise."""
+    fields = np.array([2e-5, 1e-5, 4e-5]) + 3e-7 * np.random.default_rng(1).standard_normal((500, 3))
+    with pytest.raises(NavfmuError, match="no calibration is to be had"):
+        choose(fields, FIELD, 2.2e-5, method, "made")
