@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from navfmu.errors import NavfmuError, nearest
+from navfmu.recorded.replay import px4
 from navfmu.recorded.replay.asked import scale
-from navfmu.recorded.replay.file import File
+from navfmu.recorded.replay.file import File, read
+
+
+def opened(path: str | Path, column: str) -> File:
+    """Read a table, or what has a column of a log of PX4."""
+    if not str(path).lower().endswith(".ulg"):
+        return read(path)
+    return px4.read(path, next(name for name, choices in px4.topics().items() if column in choices[0][0].fields))
 
 
 @dataclass(frozen=True)

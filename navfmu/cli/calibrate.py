@@ -6,11 +6,13 @@ import click
 
 from navfmu.cli.group import Group
 
-COMMANDS = {
-    "gain": ("navfmu.cli.calibrate_gain", "The gain that three accelerometers have in common, at rest."),
-    "imu": ("navfmu.cli.calibrate_imu", "Errors of an inertial unit, from stands in several attitudes and turns."),
-    "magnetometer": ("navfmu.cli.calibrate_magnetometer", "Hard iron, gains and soft iron of a triad that was turned."),
+LINES = {
+    "navfmu.cli.calibrate_gain": "The gain that three accelerometers have in common, at rest.",
+    "navfmu.cli.calibrate_imu": "Errors of an inertial unit, from stands in several attitudes and turns.",
+    "navfmu.cli.calibrate_magnetometer": "Hard iron, gains and soft iron of a triad that was turned.",
 }
+COMMANDS = {module.rpartition("_")[2]: (module, line) for module, line in LINES.items()}
+"""A command has the name of its module."""
 
 
 class _Commands(Group):

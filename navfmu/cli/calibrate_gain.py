@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-@click.command("gain")
+@click.command()
 @click.argument("file", type=click.Path())
 @click.option("--latitude", type=float, required=True, metavar="DEG", help="Where the unit stood.")
 @click.option("--altitude", default=0.0, metavar="M", help="Above the ellipsoid.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-@click.command("magnetometer")
+@click.command()
 @click.argument("file", type=click.Path())
 @click.option("--method", default="automatic", help="As below.  [default: automatic]")
 @click.option("--field", "strength", metavar="STRENGTH", help="Strength of Earth's field there, as in '55.9 uT'.")

@@ -11,8 +11,8 @@ import numpy as np
 
 from navfmu.calibration.allan.sensor import SENSORS, Sensor
 from navfmu.calibration.allan.stretches import SHORTEST, quiet
-from navfmu.calibration.columns import Columns
-from navfmu.calibration.inertial import GAP, TIME, opened, usual
+from navfmu.calibration.columns import Columns, opened
+from navfmu.calibration.times import GAP, TIME, usual
 from navfmu.errors import NavfmuError
 from navfmu.recorded.replay.file import File
 
@@ -40,7 +40,7 @@ class Recording:
 def recording(path: str | Path, columns: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> Recording:
     """Read a table, or a log of PX4; ``columns`` and ``units`` say those of time, rate and specific_force that are not
     usual."""
-    file = opened(path)
+    file = opened(path, "rate_x")
     found = Columns(file, {TIME: (1, "s"), **{sensor.quantity: (3, sensor.unit) for sensor in SENSORS}}, columns, units)
     time = found.values(TIME)
     samples = {sensor: found.values(sensor.quantity) for sensor in SENSORS if found.has(sensor.quantity)}

@@ -12,9 +12,9 @@ from scipy.ndimage import median_filter
 
 from navfmu.calibration.allan.sensor import GYRO, SENSORS
 from navfmu.calibration.allan.stretches import FEWEST, SHORTEST, quiet
-from navfmu.calibration.columns import Columns
+from navfmu.calibration.columns import Columns, opened
 from navfmu.calibration.imu.earth import gravity, rotation_n, to_body
-from navfmu.calibration.inertial import GAP, TIME, opened, usual
+from navfmu.calibration.times import GAP, TIME, usual
 from navfmu.errors import NavfmuError
 from navfmu.recorded.replay.asked import check_turn, turn
 from navfmu.recorded.replay.file import File
@@ -74,7 +74,7 @@ def stands(
     about the vertical, down, what was there is known, else its size.
     """
     check_turn(axes, "--axes")
-    file = opened(path)
+    file = opened(path, "rate_x")
     found = Columns(file, QUANTITIES, columns or {}, units or {})
     time = found.values(TIME)
     to_frd = turn(axes, "--axes")

@@ -8,11 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from navfmu.calibration.columns import Columns
+from navfmu.calibration.columns import Columns, opened
 from navfmu.errors import NavfmuError
-from navfmu.recorded.replay import px4
 from navfmu.recorded.replay.asked import check_turn, turn
-from navfmu.recorded.replay.file import read
 
 QUANTITIES = {"time": (1, "s"), "field": (3, "T"), "heading": (1, "rad")}
 FEWEST = 50
@@ -48,7 +46,7 @@ def recording(
     end: float | None = None,
 ) -> Recording:
     """Read a table, or a log of PX4, from ``begin`` to ``end``, s of its time."""
-    file = px4.read(path, "magnetometer") if str(path).lower().endswith(".ulg") else read(path)
+    file = opened(path, "field_x")
     check_turn(axes, "--axes")
     asked = Columns(file, QUANTITIES, columns, units)
     measured = asked.values("field") @ turn(axes, "--axes").T

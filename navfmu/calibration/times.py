@@ -1,28 +1,18 @@
-"""A file of an inertial unit: a table or a log, samples one after the other."""
+"""Times of the samples of an inertial unit."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 
 from navfmu.calibration.allan.stretches import FEWEST
 from navfmu.errors import NavfmuError
-from navfmu.recorded.replay import px4
-from navfmu.recorded.replay.file import File, read
+from navfmu.recorded.replay.file import File
 
 TIME = "time"
 GAP = 1.5
 """Intervals of more than this many usual ones are gaps."""
 INTERVALS = (1e-5, 2.0)
 """Between samples, s: the thesis charts samples a second apart."""
-
-
-def opened(path: str | Path) -> File:
-    """Read a table, or what has rates of a log of PX4."""
-    if not str(path).lower().endswith(".ulg"):
-        return read(path)
-    return px4.read(path, next(name for name, choices in px4.topics().items() if "rate_x" in choices[0][0].fields))
 
 
 def usual(file: File, time: np.ndarray) -> float:
