@@ -33,6 +33,8 @@ BASE_GRADE = "automotive"
 ATTITUDES = {
     "ahrs_velocity": "a quaternion, whose level comes from the airspeed's velocity",
     "ahrs_vectors": "field and gravity matched sample by sample, without gyros' memory",
+    "ahrs_euler": "the thesis's filter of Euler angles, which nothing aids in turns",
+    "ahrs_quaternion": "the thesis's quaternion filter, which nothing aids in turns",
 }
 """Variants with another FMU in the place of ``ahrs``."""
 FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES)
