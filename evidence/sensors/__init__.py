@@ -16,6 +16,7 @@ SENSORS = (
     "air_data",
     "alternative_aids",
     "at_rest",
+    "attitude",
     "azimuth_detector",
     "dme",
     "flown_attitude",

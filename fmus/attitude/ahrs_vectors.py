@@ -32,10 +32,10 @@ class AhrsVectors(Instrument, Component):
     *Field in n.* Without a position (not connected, not valid) it has the last dip and declination, at first
     the parameters `first_dip` and `declination`. Its disturbance is not seen but in `misfit`, and not survived.
 
-    Sigmas are those of the two directions, `field_sigma` and `tilt_sigma`, through the geometry, and what stands still
-    in the aircraft or in the chart: `level_sigma`, `mounting_sigma`, the error of the declination. Near a magnetic pole
-    or 90 degrees of pitch that of the heading is beyond half a turn, or the two vectors are along one line: then
-    `attitude.valid` is false.
+    Sigmas are those of the two directions, `field_sigma` with `hard_iron_sigma` and `tilt_sigma`, through the
+    geometry, and what stands still in the aircraft or in the chart: `level_sigma`, `mounting_sigma`, the error of the
+    declination. Near a magnetic pole or 90 degrees of pitch that of the heading is beyond half a turn, or the two
+    vectors are along one line: then `attitude.valid` is false.
 
     GPS attitude (`gps`) is not looked at.
     """

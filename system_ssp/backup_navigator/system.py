@@ -30,13 +30,14 @@ COMPONENTS = (
 RECEIVERS = {"two_receivers": 2, "scanning": 3}
 """Variants by the mode of ``dme``; the base system has mode 1, one receiver that takes the stations in turn."""
 BASE_GRADE = "automotive"
-ATTITUDES = {
-    "ahrs_velocity": "a quaternion, whose level comes from the airspeed's velocity",
-    "ahrs_vectors": "field and gravity matched sample by sample, without gyros' memory",
-    "ahrs_euler": "the thesis's filter of Euler angles, which nothing aids in turns",
-    "ahrs_quaternion": "the thesis's quaternion filter, which nothing aids in turns",
+ATTITUDES: dict[str, dict] = {
+    "ahrs_euler": {"compensated": True},
+    "ahrs_quaternion": {"compensated": True},
+    "ahrs_velocity": {},
+    "ahrs_vectors": {},
 }
-"""Variants with another FMU in the place of ``ahrs``."""
+"""Variants with another FMU in the place of ``ahrs``, and what its parameters are beside those of ``ahrs``: the filters
+of the thesis take the acceleration that the airspeed shows out of the specific force, and have no gates."""
 FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES)
 """Those of all variants."""
 POSITION = ("latitude", "longitude", "altitude")
@@ -124,8 +125,13 @@ def add_variants(system: SystemSource) -> None:
         connections={"ahrs.gps": "gps.attitude"},
         description="three GPS antennas: their attitude calibrates gyros and hard iron, thesis section 4.11",
     )
-    for name, words in ATTITUDES.items():
-        system.variant(name, components={"ahrs": f"{name}.fmu"}, description=f"attitude by {name}: {words}")
+    for name, values in ATTITUDES.items():
+        system.variant(
+            name,
+            components={"ahrs": f"{name}.fmu"},
+            parameters={"ahrs": values} if values else {},
+            description=f"attitude by {name} in the place of ahrs",
+        )
     system.variant(
         "gps_signals",
         components={"gps": "gps_signals.fmu", "gps_solver": "gps_solver.fmu"},

@@ -95,8 +95,8 @@ class Fed:
         quick = {"sample_period", "update_period", "tick_period"} & component.layout.fields.keys()
         self.run = interpret(component, **dict.fromkeys(quick, 0.1))
 
-    def step(self, spoilt: str = "", value: float = np.nan) -> set[str]:
-        """One step, in which the first element of ``spoilt`` is no number; returns which outputs say they are valid."""
+    def step(self, spoilt: str = "", value: float = 0.0) -> set[str]:
+        """One step, in which the first element of ``spoilt`` is ``value``; returns which bundles say they are valid."""
         time = self.count * STEP
         self.count += 1
         for bundle in bundles(self.component, "input"):
@@ -116,9 +116,8 @@ class Fed:
         return said_valid(self.run, self.component)
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf], ids=str)
 @pytest.mark.parametrize(("name", "member"), MEMBERS)
-def test_a_valid_sample_that_is_no_number_is_none(name, member, value):
+def test_a_valid_sample_that_is_no_number_is_none(name, member):
     """What was valid is so again with the next sample, and all outputs are numbers.
 
     Catches a filter that takes the sample in and loses what it has learned, or its solution for the rest of the flight,
@@ -127,7 +126,7 @@ def test_a_valid_sample_that_is_no_number_is_none(name, member, value):
     fed = Fed(COMPONENTS[name])
     for _ in range(6):
         before = fed.step()
-    for _ in range(2):
+    for value in (np.nan, np.inf):
         fed.step(member, value)
     assert fed.step() >= before
     for _ in range(9):
