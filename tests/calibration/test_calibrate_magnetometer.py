@@ -170,7 +170,7 @@ def test_a_level_turn_gives_x_and_y(tmp_path):
     assert "ellipse" in automatic.output.splitlines()[0]
 
 
-def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path):
+def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path, tmp_path_factory):
     """Eight headings, three samples at each, and the FMU that gets what they tell. Wrong: degrees for radians, the
     strength for the horizontal field, the heading's sign."""
     heading = np.repeat(np.arange(0.0, 360.0, 45.0), 3)
@@ -182,13 +182,18 @@ def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path):
     file = table(tmp_path / "swing.csv", many, heading=np.concatenate([heading] * 3))
     done = navfmu(
         file, "--method", "swinging", "--unit", "heading=deg", "--table", tmp_path / "swing.json",
-        "--picture", tmp_path / "swing.png",
+        "--picture", tmp_path / "swing.png", "--fmu", built.fmu("magnetometer", tmp_path_factory),
+        "--out", tmp_path / "swing.ssv",
     )  # fmt: skip
     assert done.exit_code == 0, done.output
     values = {row["name"]: row["value"] for row in json.loads((tmp_path / "swing.json").read_text())["values"]}
     assert values["B"] == pytest.approx(np.degrees(-6e-7 / 2.3e-5), abs=0.1)
     assert values["C"] == pytest.approx(np.degrees(4e-7 / 2.3e-5), abs=0.1)
     assert matplotlib.image.imread(tmp_path / "swing.png").shape[2] == 4
+    written = {setting.name: setting.value for setting in read_parameters(tmp_path / "swing.ssv")}
+    assert written["hard_iron[1]"] == pytest.approx(6e-7, abs=4e-8)
+    assert written["hard_iron[2]"] == pytest.approx(-4e-7, abs=4e-8)
+    assert written["hard_iron[3]"] == 0.0
 
 
 @pytest.mark.parametrize(

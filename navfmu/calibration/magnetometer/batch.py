@@ -25,31 +25,28 @@ def slopes(x: np.ndarray, scaled: np.ndarray) -> np.ndarray:
     return np.hstack([by_centre, by_scale]) / length(x, scaled)[:, None]
 
 
-def iterate(scaled: np.ndarray, start: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """The end of the iteration, (6,), or None where it diverged, and its path (steps, 6)."""
-    path = [start]
+def iterate(scaled: np.ndarray, start: np.ndarray) -> np.ndarray | None:
+    """The end of the iteration from ``start``, both (b, 1 + s), or None where it diverged."""
+    x = start
     for _ in range(STEPS):
-        x = path[-1]
         with np.errstate(all="ignore"):
             rows, left = slopes(x, scaled), 1.0 - length(x, scaled)
         if not (np.all(np.isfinite(rows)) and np.all(np.abs(x) < FAR)):
-            return None, np.array(path)
+            return None
         step = np.linalg.lstsq(rows, left, rcond=None)[0]
-        path.append(x + step)
+        x = x + step
         if np.max(np.abs(step)) < SMALL:
-            return path[-1], np.array(path)
-    return None, np.array(path)
+            return x
+    return None
 
 
-def batch(measured: np.ndarray, field: float, start: np.ndarray | None = None) -> Locus | None:
+def batch(measured: np.ndarray, field: float) -> Locus | None:
     """Centre and the gains of three axes of fields (n, 3), T, or None where the iteration diverges.
 
-    ``start`` is (b, 1 + s) over the field strength; without one it is what hard iron alone makes, the mean of the
-    samples, and scale factors of 1.
+    It starts at what hard iron alone makes, the mean of the samples, and scale factors of 1.
     """
     scaled = measured / field
-    start = np.concatenate([np.mean(scaled, axis=0), np.ones(3)]) if start is None else start
-    found, _ = iterate(scaled, start)
+    found = iterate(scaled, np.concatenate([np.mean(scaled, axis=0), np.ones(3)]))
     if found is None or np.any(found[3:] == 0.0):
         return None
     left, rows = 1.0 - length(found, scaled), slopes(found, scaled)

@@ -80,7 +80,7 @@ def errors(case: int, run: int, seed: int = 0, start: float = START) -> np.ndarr
     guess = truth + start * np.concatenate([np.full(3, GAUSS / FIELD), np.ones(3)]) * rng.standard_normal(6)
     with np.errstate(invalid="ignore", divide="ignore"):
         steps = second_step(first_step(scaled)[0], 1.0)
-    end, _ = iterate(scaled, guess)
+    end = iterate(scaled, guess)
     ends = np.full(6, np.nan) if end is None else np.concatenate([end[:3], np.abs(end[3:])])
     scale = np.concatenate([np.full(3, FIELD), np.ones(3)])
     return scale * (np.stack([steps if np.all(np.isfinite(steps)) else np.full(6, np.nan), ends]) - truth)
