@@ -7,12 +7,15 @@ import json
 import matplotlib.image
 import numpy as np
 import pandas as pd
+import pygeomag
 import pytest
 from click.testing import CliRunner
 
 from navfmu import System
+from navfmu.calibration.magnetometer.place import field_at
 from navfmu.cli.main import main
 from navfmu.ssp.reader import read_parameters
+from navfmu.system import shipped
 from tests import built
 from tests.calibration.turned import CENTRE, FIELD, GAINED, measured
 
@@ -168,6 +171,22 @@ def test_a_level_turn_gives_x_and_y(tmp_path):
     assert ratio == pytest.approx(21.0 / 19.0, rel=2e-3)
     automatic = navfmu(tmp_path / "turn.csv")
     assert "ellipse" in automatic.output.splitlines()[0]
+
+
+def test_the_strength_at_a_place_is_that_of_pygeomag(sphere, tmp_path, tmp_path_factory, monkeypatch):
+    """The World Magnetic Model of 2010 in Minnesota, 2012. Wrong: latitude for longitude, radians for degrees, the
+    horizontal part for the whole, the model of another date, an anomaly of the crust."""
+    fmu = built.fmu("magnetometer", tmp_path_factory)
+    monkeypatch.setattr(shipped, "folders", lambda: [fmu.parent])
+    found = field_at(np.radians(45.33), np.radians(-93.23), 2012.77)
+    model = pygeomag.GeoMag(coefficients_file="wmm/WMM_2010.COF")
+    expected = model.calculate(glat=45.33, glon=-93.23, alt=0.0, time=2012.77)
+    assert found.strength == pytest.approx(1e-9 * expected.f, abs=2e-9)
+    assert found.horizontal == pytest.approx(1e-9 * expected.h, abs=2e-9)
+    words = ("--place", 45.33, -93.23, "--date", 2012.77, "--table", tmp_path / "found.json")
+    assert navfmu(sphere, *words).exit_code == 0
+    values = {row["name"]: row["value"] for row in json.loads((tmp_path / "found.json").read_text())["values"]}
+    assert values["scale factor z"] == pytest.approx(100.0 * (1.1 * 50.0 / (1e-3 * expected.f) - 1.0), abs=0.3)
 
 
 def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path, tmp_path_factory):
