@@ -28,12 +28,14 @@ def command(file, method, strength, place, date, columns, units, axes, begin, en
     FILE is a table, CSV or Parquet, or a log of PX4 (.ulg), with field_x, field_y and field_z (T).
 
     \b
-    automatic  the first of ellipsoid, axes, sphere, hard-iron, ellipse, circle that the turns allow
-    ellipsoid  hard iron, gains and soft iron          axes    hard iron and a gain of each axis
-    sphere     hard iron and one gain                  hard-iron  with gains of 1
-    ellipse, circle     level turns: x and y alone (thesis CMFD-2)
-    two-step, batch     those of the thesis, a gain of each axis (CMFD-3)
-    swinging   level, at known headings, which FILE has (rad, magnetic)
+    automatic        the first of ellipsoid, axes, sphere, hard-iron, ellipse, circle that the turns allow
+    ellipsoid        hard iron, gains and soft iron
+    axes             hard iron and a gain of each axis
+    sphere           hard iron and one gain
+    hard-iron        hard iron, with gains of 1
+    ellipse, circle  level turns: x and y alone (thesis, CMFD-2)
+    two-step, batch  those of the thesis, a gain of each axis (CMFD-3)
+    swinging         level, at known headings, which FILE has (heading: rad, magnetic)
 
     What the turns do not allow is refused in a sentence, and the next method taken.
 
