@@ -58,12 +58,8 @@ class Gains(IntEnum):
     scheduled = 2
 
 
-class Aiding(IntEnum):
-    """What an aiding took."""
-
-    nothing = 1
-    level_and_field = 2
-    gps = 3
+NOTHING, LEVEL, GPS = range(3)
+"""What an aiding took."""
 
 
 class Thesis(Reference):
@@ -75,7 +71,8 @@ class Thesis(Reference):
     example = Example(
         {"sample_period": 0.05},
         text="A full circle at 3 deg/s in level flight (60 to 184 s), with gyros that are wrong by 0.15 deg/s in roll "
-        "and -0.1 deg/s in yaw. In the turn nothing aids (`aiding` is 1), and what gyros are wrong by is integrated.",
+        "and -0.1 deg/s in yaw. Their biases are learned before. In the turn nothing aids (`aiding` is 0): gyros carry "
+        "the angles on, and sigmas grow.",
         duration=300.0,
         step=0.05,
         inputs=examples.ahrs_inputs,
@@ -118,7 +115,10 @@ class Thesis(Reference):
         display_unit="deg",
         description="error of heading by one field sample where the level is known (thesis Table 4.4: 0.8 deg)",
     )
-    aiding = Output(kind="enumeration", items=Aiding, description="what the last aiding took (thesis Fig 4.18)")
+    aiding = Output(
+        kind="integer",
+        description="what the last aiding took: 0 nothing, 1 level and field, 2 GPS attitude (thesis Fig 4.18)",
+    )
     computed_yaw_rate = Output("rad/s", display_unit="deg/s", description="change of heading between aidings (4.67)")
 
     covariance = State(21, "1", description="upper triangle of the filter's covariance, row by row (computed gains)")
@@ -308,8 +308,7 @@ class Thesis(Reference):
         self.field_seen = np.where(new_field, self.field.sequence, self.field_seen)
         self.gps_seen = np.where(new_gps, self.gps.sequence, self.gps_seen)
         self.gps_time = gps_time
-        took = np.where(use_level, Aiding.level_and_field, Aiding.nothing)
-        self.aiding = np.where(use_gps, Aiding.gps, took)
+        self.aiding = np.where(use_gps, GPS, np.where(use_level, LEVEL, NOTHING))
         self.computed_yaw_rate = np.where(felt, yaw_rate, self.computed_yaw_rate)
         self.since = 0.0
         self.rotation_sum = np.zeros(3)

@@ -27,7 +27,7 @@ UNITS = {
 """DMU-6X and DMU-FOG, Table 3.1; null shifts have been found before."""
 TURNING = np.radians(1.0)
 """rad/s of heading from which on the aircraft is in a turn."""
-CLOSED = 1
+CLOSED = 0
 """The output ``aiding`` where nothing aids."""
 RARE = 1e-3
 

@@ -11,7 +11,9 @@ from scipy.spatial.transform import Rotation
 from fmus.attitude.ahrs import Ahrs
 from fmus.attitude.ahrs_euler import AhrsEuler
 from fmus.attitude.ahrs_quaternion import AhrsQuaternion
-from fmus.attitude.thesis import SETS, Aiding
+from fmus.attitude.thesis import GPS as BY_GPS
+from fmus.attitude.thesis import LEVEL as BY_LEVEL
+from fmus.attitude.thesis import NOTHING, SETS
 from models.attitude import ahrs, ahrs_euler, ahrs_quaternion, attitude, gyro_axis, quaternion
 from models.filters import kalman
 from navfmu.constants import STANDARD_GRAVITY as G
@@ -351,7 +353,7 @@ def circling(rate, seconds=240.0, speed=50.0, begin=60.0):
 @pytest.mark.parametrize("gains", [1, 2])
 def test_straight_flight_is_held_by_level_and_field(natives, kind, gains):
     got, left = fly(natives[kind], straight(240.0), {**LEVEL, "gains": gains}, gps=-1.0, field=True, speed=50.0)
-    assert np.all(got["aiding"][100::10] == Aiding.level_and_field)
+    assert np.all(got["aiding"][100::10] == BY_LEVEL)
     assert np.abs(left[2400:]).max() < 0.5
     np.testing.assert_allclose(got["gyro_bias"][-1], BIAS, atol=np.radians(0.02))
 
@@ -362,7 +364,7 @@ def test_in_a_turn_nothing_aids_and_so_it_is_kept(natives, kind):
     turns = circling(np.radians(3.0))
     got, left = fly(natives[kind], turns, LEVEL, gps=-1.0, field=True, speed=50.0, bias=np.zeros(3))
     turning = (got["time"] > 65.0) & (got["time"] < 230.0)
-    assert np.all(got["aiding"][turning] == Aiding.nothing)
+    assert np.all(got["aiding"][turning] == NOTHING)
     np.testing.assert_allclose(got["computed_yaw_rate"][turning], np.radians(3.0), atol=np.radians(0.3))
     assert np.abs(left[1300:]).max() < 3.0
     open_ = {**LEVEL, "turn_limit": 1.0, "force_limit": 2.0}
@@ -375,7 +377,7 @@ def test_a_turn_that_yaws_slowly_is_told_by_its_weight(natives, kind):
     """40 degrees of bank at 200 m/s yaw by 2.4 deg/s: with the turn limit out of the way, 1.3 g close the gate."""
     turns = circling(G * np.tan(np.radians(40.0)) / 200.0, speed=200.0)
     got, _ = fly(natives[kind], turns, {**LEVEL, "turn_limit": 1.0}, gps=-1.0, field=True, speed=200.0)
-    assert np.all(got["aiding"][1400::10] == Aiding.nothing)
+    assert np.all(got["aiding"][1400::10] == NOTHING)
 
 
 @BOTH
@@ -383,7 +385,7 @@ def test_with_compensation_a_turn_is_aided(natives, kind):
     """The biases are learned in the turn, too, which gates leave for the integral: 0.3 deg/s for 3 minutes."""
     turns = circling(np.radians(3.0))
     got, left = fly(natives[kind], turns, {**LEVEL, "compensated": True}, gps=-1.0, field=True, speed=50.0)
-    assert np.all(got["aiding"][1400::10] == Aiding.level_and_field)
+    assert np.all(got["aiding"][1400::10] == BY_LEVEL)
     assert np.abs(left[2400:]).max() < 1.0
 
 
@@ -391,8 +393,8 @@ def test_with_compensation_a_turn_is_aided(natives, kind):
 def test_gps_attitude_comes_before_level_and_field(natives, kind):
     """An iron that turns the needle by 10 degrees counts when GPS is silent for longer than its timeout, not before."""
     got, left = fly(natives[kind], straight(120.0), LEVEL, gps=60.0, field=True, speed=50.0, iron=(0.0, 0.08, 0.0))
-    assert np.all(got["aiding"][100:1200:10] == Aiding.gps)
-    assert np.all(got["aiding"][1300::10] == Aiding.level_and_field)
+    assert np.all(got["aiding"][100:1200:10] == BY_GPS)
+    assert np.all(got["aiding"][1300::10] == BY_LEVEL)
     assert np.abs(left[400:1200]).max() < 0.7
     assert np.abs(left[-1, 2]) > 5.0
 
