@@ -8,8 +8,9 @@ log-likelihood
 
 Overlapping averages are the mean over all places at which the decomposition can begin: they scatter less, so what is
 said of chance is on the safe side. But those of a random walk go together from octave to octave, by 0.5 to 0.9: where
-nothing else is seen at any averaging time, 7 of 310 charts had another term or another process. A term belongs to the sensor if L rises by more than it would rise by chance, with a
-probability of CHANCE, without it; the set of terms with the largest L less these rises is taken, of all sets. The axes
+nothing else is seen at any averaging time, 7 of 310 charts had another term or another process. A term belongs to the
+sensor if L rises by more than it would rise by chance, with a probability of CHANCE, without it; the set of terms
+with the largest L less these rises is taken, of all sets. The axes
 of a sensor have the same terms, with coefficients of their own, and one correlation time.
 """
 
