@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from navfmu import System
 from navfmu.calibration.allan.chart import Chart, chart
@@ -129,7 +130,11 @@ def sloped(one: Mechanism) -> Comparison:
 def turned(horizons: dict[float, Chart]) -> list[Comparison]:
     """How far above its lowest point the chart is where the printed one turns."""
     scatter = 100.0 / np.sqrt(2.0 * HOURS * 3600.0 / TURN)
-    above = {sigma: 100.0 * (level(found, TURN) / np.min(mean(found)) - 1.0) for sigma, found in horizons.items()}
+    fine = np.geomspace(2.0, 4096.0, 500)
+    above = {
+        sigma: 100.0 * (float(level(found, TURN)) / np.min(level(found, fine)) - 1.0)
+        for sigma, found in horizons.items()
+    }
     one, other = DRIFTS
     return [
         Comparison(
@@ -145,13 +150,13 @@ def turned(horizons: dict[float, Chart]) -> list[Comparison]:
 
 
 def mean(found: Chart) -> np.ndarray:
-    """Deviation of all axes together, smoothed by nothing."""
+    """Deviation of all axes together."""
     return np.sqrt(np.mean(found.variance, axis=1))
 
 
-def level(found: Chart, time: float) -> float:
-    """Deviation at an averaging time between two of the chart."""
-    return float(np.exp(np.interp(np.log(time), np.log(found.time), np.log(mean(found)))))
+def level(found: Chart, time: float | np.ndarray) -> np.ndarray:
+    """Deviation at averaging times between those of the chart."""
+    return np.exp(CubicSpline(np.log(found.time), np.log(mean(found)))(np.log(time)))
 
 
 def picture(found: list[Mechanism], horizons: dict[float, Chart]) -> bytes:
