@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.attitude.interface import Reference
+from fmus.attitude.interface import AIRCRAFT, Reference
 from models.attitude import ahrs, attitude
 from models.filters import kalman
 from navfmu.constants import STANDARD_GRAVITY
@@ -61,6 +61,7 @@ class Ahrs(Reference, Component):
     """
 
     tick = "sample_period"
+    parameter_sets = AIRCRAFT
     example = Example(
         {"sample_period": 0.05},
         text="A full circle at 3 deg/s in level flight (60 to 184 s), with gyros that are wrong by 0.15 deg/s in roll "

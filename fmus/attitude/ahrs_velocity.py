@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.attitude.interface import Reference
+from fmus.attitude.interface import AIRCRAFT, Reference
 from models.attitude import ahrs_velocity as filter_
 from models.attitude import attitude, quaternion
 from models.attitude.ahrs import length, level, levelled_heading, turning_acceleration
@@ -62,7 +62,7 @@ SMALL_AIRCRAFT = ParameterSet(
     },
 )
 
-SETS = {"hand": HAND, "small_aircraft": SMALL_AIRCRAFT}
+SETS = {**AIRCRAFT, "hand": HAND, "small_aircraft": SMALL_AIRCRAFT}
 
 
 class AhrsVelocity(Reference, Component):
@@ -85,7 +85,7 @@ class AhrsVelocity(Reference, Component):
 
     GPS attitude, declination, and what is added to the published sigmas are those of `ahrs`, whose place it can take.
     The parameter set `hand` is that of a sensor which is held by hand, `small_aircraft` that of an unmanned one of some
-    kg, and the defaults are those of an aircraft.
+    kg; `tactical`, `automotive`, which are the defaults, and `consumer` are those of an aircraft by its inertial unit.
 
     At the first aiding with field and specific force the attitude is set from these; until then `attitude.valid` is
     false.

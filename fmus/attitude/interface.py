@@ -7,15 +7,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus.grades import AIR_DATA, ahrs_parameters
+from fmus.grades import AIR_DATA, GRADES, ahrs_parameters
 from models.attitude import ahrs
 from models.magnetic import magnetic_field
 from models.processes.known import told
 from models.satellite.gps import ATTITUDE_SIGMA
 from navfmu.constants import STANDARD_GRAVITY
-from navfmu.export import Bundle, Input, Output, Parameter, State, on_new, require, start
+from navfmu.export import Bundle, Input, Output, Parameter, ParameterSet, State, on_new, require, start
 
 _DEFAULT = ahrs_parameters("automotive")
+
+AIRCRAFT = {
+    grade: ParameterSet(
+        f"An aircraft with an inertial unit of {grade} grade (thesis Table 3.2, p. 56); magnetometer and air data "
+        "have the errors that are built in.",
+        ahrs_parameters(grade),
+    )
+    for grade in GRADES
+}
+"""Of filters that model what these do: by grade of ``imu``."""
 
 
 class Instrument:

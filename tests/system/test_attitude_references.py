@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from system_ssp.backup_navigator.system import ATTITUDES
+from fmus.attitude.ahrs import Ahrs
+from fmus.attitude.ahrs_velocity import AhrsVelocity
+from fmus.attitude.interface import AIRCRAFT
+from system_ssp.backup_navigator.system import ATTITUDES, BASE_GRADE
+from tests.models.native import interpret
 
 SEEDS = range(1, 11)
 ANGLES = ("roll", "pitch", "heading")
@@ -45,3 +49,14 @@ def test_errors_in_flight_are_small_and_within_what_is_said(load, variant):
     away = 3.0 if variant in CAUTIOUS else -3.0
     assert np.all(np.mean(squares, axis=0) + away * of_mean < THESIS.get(variant, 1.0))
     assert np.all(np.mean(errors, axis=0) < LARGEST[variant])
+
+
+@pytest.mark.parametrize("grade", AIRCRAFT)
+def test_parameter_sets_are_those_of_units_that_are_flown(load, grade):
+    """Of the variant with this unit; only those of the unit that is built in are built in, too."""
+    flown = load(None if grade == BASE_GRADE else f"imu_{grade}").values["ahrs"]
+    assert flown == AIRCRAFT[grade].values
+    for filter_ in (Ahrs, AhrsVelocity):
+        assert filter_.parameter_sets[grade] is AIRCRAFT[grade]
+        built_in = {name: interpret(filter_).get(name) for name in flown}
+        assert (built_in == flown) == (grade == BASE_GRADE)
