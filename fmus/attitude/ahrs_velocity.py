@@ -33,7 +33,9 @@ HAND = ParameterSet(
         "gyro_drift_sigma": 0.0,
         "field_sigma": 0.05,
         "field_time": 0.14,
+        "field_noise": 0.0,
         "field_limit": 4.0,
+        "jump_limit": 1.0e6,
         "hard_iron_sigma": 0.005,
         "hard_iron_walk": 0.0001,
         "dip_sigma": 0.005,
@@ -78,7 +80,8 @@ class AhrsVelocity(Reference, Component):
       in a turn or not, is none of the level. For a sensor held by hand the airspeed is 0;
     - the place, where `place_density` is not 0: it stays where it is;
     - the magnetic field as a vector, strength and all; what is beyond `field_limit` sigma, as near a magnet, with a
-      noise as large as itself which lasts for `disturbance_time`.
+      noise as large as itself which lasts for `disturbance_time`. Where it jumps by more than `jump_limit` sigma, the
+      hard iron takes it.
 
     *Without air data* (not connected, not valid, older than `air_timeout`) the last airspeed is kept, at first
     `airspeed`, and its error grows to `blind_airspeed_sigma`.
@@ -138,6 +141,15 @@ class AhrsVelocity(Reference, Component):
         description="time for which the error of a field sample lasts, as soft iron does that turns with the aircraft "
         "(three recorded flights: 1.6 to 6 s); 0: each sample has its own",
     )
+    field_noise = Parameter(
+        "1", start=0.01, min=0.0, description="noise of a field sample beside that: 5 mG (thesis Table 3.3)"
+    )
+    jump_limit = Parameter(
+        "1",
+        start=3.5,
+        min=1.0,
+        description="sigmas of a change from field to field beyond which the hard iron has changed (own choice)",
+    )
     field_limit = Parameter("1", start=3.0, min=1.0, description="sigmas beyond which a field is disturbed")
     disturbance_time = Parameter(
         "s", start=20.0, min=0.0, description="time for which a disturbance lasts (own choice)"
@@ -165,6 +177,7 @@ class AhrsVelocity(Reference, Component):
     dcm_sum = State((3, 3), "s", description="integral of C_nb")
     square_sum = State(3, "1", description="integral of the squares of the rates in n, rad^2/s")
     field_at = State("s", start=-1.0e9, description="time of validity of the last field used")
+    field_left = State(3, "1", description="what was not explained of it, over the strength at first")
 
     @on_new("imu")
     def integrate(self):
@@ -287,8 +300,8 @@ class AhrsVelocity(Reference, Component):
         )
 
         # measurement update: field
-        age = np.maximum(self.time - self.field.time_of_validity, 0.0)
-        then = quaternion.product(turn, quaternion.of_rotation(-rate * age))
+        age = self.imu_time - self.field.time_of_validity
+        then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_field, age, 0.0)))
         strength_then = np.where(align, 0.0, self.strength)
         expected, matrix = filter_.rows(
             filter_.field_seen, then, self.hard_iron, dip, strength_then, self.local_declination
@@ -296,7 +309,12 @@ class AhrsVelocity(Reference, Component):
         measured = self.field.field_b / first_strength
         left = measured - expected - matrix @ correction
         apart = np.maximum(self.field.time_of_validity - self.field_at, 1.0e-6)
-        variance = filter_.lasting(self.field_sigma**2, self.field_time, apart)
+        kept, own = filter_.correlation(self.field_time, apart), self.field_noise**2
+        change = np.where(new_field & self.aligned, left - kept * self.field_left, 0.0)
+        covariance = filter_.jumped(
+            covariance, matrix, change, self.field_sigma**2, own, noise[filter_.TURN], kept, self.jump_limit
+        )
+        variance = filter_.lasting(self.field_sigma**2, self.field_time, apart) + own
         disturbance = filter_.disturbance(covariance, matrix, left, self.field_sigma**2, self.field_limit)
         variance = np.maximum(variance, filter_.lasting(disturbance, self.disturbance_time, apart))
         correction, covariance = filter_.updates(
@@ -309,9 +327,12 @@ class AhrsVelocity(Reference, Component):
             new_field,
         )
 
+        self.field_left = np.where(new_field, measured - expected - matrix @ correction, self.field_left)
+
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        new_gps, age = self.new_gps()
+        new_gps, _ = self.new_gps()
+        age = self.imu_time - self.gps.time_of_validity
         told = quaternion.of_euler(*np.where(new_gps, told, 0.0))
         then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_gps, age, 0.0)))
         expected, matrix = filter_.rows(filter_.turn_seen, then, told)

@@ -23,6 +23,7 @@ need a model of acceleration, as (2) of ``models.attitude.ahrs``, or a long time
 The field is taken as it is, strength and all: C_bn n(dip, declination) (1 + strength) + iron. Its errors last, so that
 samples close together tell no more than one (:func:`lasting`). What it shows beyond a limit is taken with an error as
 large as itself, which lasts longer (:func:`disturbance`): a magnet nearby leaves no strength and dip of Earth's field.
+Where it changes from one sample to the next as errors that last do not, the hard iron has changed (:func:`jumped`).
 """
 
 from __future__ import annotations
@@ -151,14 +152,43 @@ def updates(correction, upper, expected, matrix, measured, variance, use):
     return correction, upper
 
 
+def correlation(time, apart):
+    """Of Gauss-Markov errors that last for ``time`` s, ``apart`` s from each other."""
+    return np.exp(-apart / np.maximum(time, 1.0e-9))
+
+
 def lasting(variance, time, apart):
     """Variance of white noise that counts as much as errors of ``variance`` which last for ``time`` s, Gauss-Markov.
 
     Samples that are ``apart`` s differ by (1 + rho) / (1 - rho), rho = exp(-apart / time): far apart each has an error
     of its own, and close together their number tells nothing, whatever it is: 2 variance time / apart.
     """
-    rho = np.exp(-apart / np.maximum(time, 1.0e-9))
+    rho = correlation(time, apart)
     return variance * (1.0 + rho) / (1.0 - rho)
+
+
+def jumped(upper, matrix, change, variance, noise, turned, kept, limit):
+    """Covariance where the field's error in b has jumped: what jumps is the hard iron (a current on board, cargo).
+
+    Parameters
+    ----------
+    change
+        Residual of this sample, over the strength, less ``kept`` times what was left of the last one, (3,).
+    variance, noise
+        Of the error that lasts, and variance of what is each sample's own.
+    turned
+        What the gyros' errors add to the variances of the turn between two samples, rad^2, (3,).
+    kept
+        Correlation of the error that lasts, from the last sample to this one.
+    limit
+        Sigmas of such a change beyond which it is a jump: the variance of the hard iron there is raised by its square,
+        and so the iron takes it, not the heading.
+    """
+    seen = np.sum((matrix @ kalman.unpack(upper)) * matrix, axis=1)
+    expected = (1.0 - kept * kept) * (variance + seen) + 2.0 * noise + matrix[:, TURN] ** 2 @ turned
+    beyond = change * change > limit * limit * expected
+    one = np.eye(STATES)[IRON]
+    return upper + kalman.of_variances(np.where(beyond, change * change, 0.0) @ one)
 
 
 def disturbance(upper, matrix, residual, variance, limit):

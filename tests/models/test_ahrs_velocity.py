@@ -174,6 +174,23 @@ def test_errors_that_last_count_as_white_noise_of_the_same_weight():
     assert ahrs_velocity.lasting(1.0, time, 1e-3) * 1e-3 == pytest.approx(2.0 * time, rel=1e-6)
 
 
+def test_what_jumps_is_the_hard_iron_and_what_gyros_explain_is_not():
+    """A change of 8 % forward raises the variance of that axis by its square; after a turn whose gyros may err by 6
+    degrees it says nothing, and neither does one that comes within the errors that last."""
+    matrix = ahrs_velocity.rows(ahrs_velocity.field_seen, *state()[:1], np.zeros(3), DIP, 0.0, DECLINATION)[1]
+    upper = kalman.of_variances(np.full(20, 1e-5))
+    told = {"variance": 4e-4, "noise": 1e-4, "kept": 0.85, "limit": 3.5}
+    change = np.array([0.08, 0.01, -0.02])
+    gained = [
+        kalman.diagonal(ahrs_velocity.jumped(upper, matrix, c, turned=turned, **told) - upper)
+        for c, turned in ((change, np.zeros(3)), (change, np.full(3, 0.01)), (0.5 * change, np.zeros(3)))
+    ]
+    wanted = np.zeros(20)
+    wanted[12] = 0.08**2
+    np.testing.assert_allclose(gained[0], wanted, atol=1e-15)
+    np.testing.assert_allclose(gained[1:], 0.0, atol=1e-15)
+
+
 # --- the component ---------------------------------------------------------------------------------------------------
 
 
@@ -259,6 +276,85 @@ def test_a_magnet_turns_the_heading_little(native):
     assert np.abs(left[500:, 2]).max() < 5.0
 
 
+def disturbed(native, disturb, **parameters):
+    """Heading error, its sigma (deg) and hard iron by time, s, of legs of half a minute with turns to either side; at
+    220 s, on a leg, ``disturb`` (time, fields in b, turns) changes the field. Fields have noise of 1 %."""
+    rng = np.random.default_rng(8)
+    time = np.arange(0.0, 420.0 + 0.5 * STEP, STEP)
+    legs = (time % 50.0 > 25.0) & (time > 50.0)
+    rate = np.convolve(np.radians(3.0) * legs * np.where(time % 100.0 > 50.0, 1.0, -1.0), np.ones(100) / 100.0, "same")
+    turns = Rotation.from_euler(
+        "ZYX", np.column_stack([0.6 + np.cumsum(rate) * STEP, 0.0 * time, np.arctan(50.0 * rate / G)])
+    )
+    fields = disturb(time, turns.inv().apply(FIELD_N), turns)
+    fields = fields + 0.01 * STRENGTH * rng.standard_normal(fields.shape)
+    still = {"level_sigma": 0.0, "mounting_sigma": 0.0, "declination_sigma": 0.0}
+    got, left = fly(
+        native, turns, turns.apply([50.0, 0, 0]), {**still, **parameters}, airspeed=50.0,
+        more=lambda k: {"field.field_b": fields[k]},
+    )  # fmt: skip
+    return time[-len(left) :], left[:, 2], np.degrees(got["sigmas"][:, 2]), got["hard_iron"]
+
+
+def test_a_current_on_board_is_taken_for_hard_iron(native):
+    """40 mG forward, from 220 s on (F16), are told as ``hard_iron``: a filter that knows no jumps gives them to the
+    heading, 5 degrees for minutes."""
+
+    def current(time, fields, turns):
+        return fields + np.where(time > 220.0, 40e-7, 0.0)[:, None] * [1.0, 0.0, 0.0]
+
+    time, error, _, iron = disturbed(native, current)
+    after = time > 221.0
+    assert np.sqrt(np.mean(error[after] ** 2)) < 2.0
+    assert iron[-1][0] == pytest.approx(40e-7 / STRENGTH, abs=0.02)
+    _, without, _, _ = disturbed(native, current, jump_limit=1e6)
+    assert np.sqrt(np.mean(without[after] ** 2)) > 4.0
+
+
+def test_iron_that_bends_the_field_stays_within_sigmas(native):
+    """10 % more along the forward axis from 220 s on (F17): twice to and fro in a circle, 3 degrees at most."""
+    time, error, sigma, _ = disturbed(
+        native, lambda time, fields, turns: np.where((time > 220.0)[:, None], fields * [1.1, 1.0, 1.0], fields)
+    )
+    assert np.all(np.abs(error[time > 221.0]) < 3.0 * sigma[time > 221.0])
+
+
+def test_a_place_that_is_disturbed_passes(native):
+    """20 mG to the east for two minutes (F18) turn the needle by asin(0.042 / cos 61 degrees), 4.9 degrees, which is
+    what the heading may be wrong by, root mean square; a minute later it is right."""
+
+    def anomaly(time, fields, turns):
+        there = ((time > 220.0) & (time < 340.0))[:, None]
+        return fields + there * turns.inv().apply([0.0, 20e-7, 0.0])
+
+    time, error, _, _ = disturbed(native, anomaly)
+    assert np.sqrt(np.mean(error[(time > 220.0) & (time < 340.0)] ** 2)) < 4.9
+    assert np.abs(error[time > 400.0]).max() < 1.5
+
+
+def test_a_field_is_taken_at_its_time_with_samples_that_are_rare(native):
+    """Turning by 1 rad/s with samples every 0.1 s, and aided in between: a filter that turns the field back from the
+    time of aiding, and not from that of its attitude, has a heading that is wrong by half of that, 3 degrees."""
+    time = np.arange(0.0, 120.0, 0.1)
+    turns = Rotation.from_euler("z", time[:, None])
+    forces, fields = turns.inv().apply(-GRAVITY), turns.inv().apply(FIELD_N)
+
+    def inputs(t):
+        k = round(t / STEP) // 5
+        values = {"imu.rate": (0.0, 0.0, 1.0), "imu.specific_force": forces[k], "field.field_b": fields[k]}
+        for bundle in ("imu", "field"):
+            values |= {f"{bundle}.valid": True, f"{bundle}.sequence": k + 1, f"{bundle}.time_of_validity": time[k]}
+        return values
+
+    told = {"sample_period": STEP, "declination": DECLINATION, "aiding_period": 0.16, "airspeed": 0.0}
+    got = native.run(118.0, STEP, ["turn", "attitude.time_of_validity"], told, inputs)
+    estimated = Rotation.from_quat(np.roll(got["turn"], -1, axis=1))
+    left = (
+        Rotation.from_euler("z", np.reshape(got["attitude.time_of_validity"], (-1, 1))) * estimated.inv()
+    ).as_rotvec()
+    assert np.degrees(np.abs(left[3000:, 2])).max() < 0.5
+
+
 def test_gps_attitude_takes_an_attitude_that_is_wrong(native):
     """The hard iron turns the field by 15 degrees: with three antennas the heading is theirs, upside down too."""
     time = np.arange(0.0, 40.0 + 0.5 * STEP, STEP)
@@ -303,9 +399,9 @@ def test_it_takes_the_place_of_ahrs():
 SEEDS, LONG, PERIOD = 24, 120.0, 0.5
 MODELLED = {
     "gyro_noise": 0.002, "alpha": 1.0, "gyro_scale_sigma": 0.0, "gyro_null_shift_sigma": 0.003, "gyro_drift_sigma": 0.0,
-    "hard_iron_sigma": 0.02, "field_sigma": 0.02, "field_time": 0.0, "field_limit": 10.0, "dip_sigma": 0.1,
-    "dip_walk": 0.0, "velocity_walk": 0.35, "velocity_density": 0.7, "flow_sigma": 1.5, "flow_time": 5.0,
-    "airspeed_time": 1e6, "aiding_period": PERIOD, "initial_sigma": 0.03,
+    "hard_iron_sigma": 0.02, "field_sigma": 0.02, "field_time": 0.0, "field_noise": 0.0, "field_limit": 10.0,
+    "jump_limit": 10.0, "dip_sigma": 0.1, "dip_walk": 0.0, "velocity_walk": 0.35, "velocity_density": 0.7,
+    "flow_sigma": 1.5, "flow_time": 5.0, "airspeed_time": 1e6, "aiding_period": PERIOD, "initial_sigma": 0.03,
 }  # fmt: skip
 """What the filter is told, and what :func:`drawn` does."""
 
