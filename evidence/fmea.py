@@ -166,7 +166,7 @@ class Analysis:
             f"Without a failure of its own a sign came up in {_of(*self.false_alarms)} flights: "
             f"{', '.join(f'{n} of {each.name}' for n, each in zip(self.false, self.references, strict=True))}. "
             f"Harm as above was found in {sum(each.harmed for each in self.references)} of them.",
-            f"No number comes out after {_names([each for each in self.injected if np.isinf(each.largest)])}. "
+            f"Failures after which no number comes out: {_names([i for i in self.injected if np.isinf(i.largest)])}. "
             f"Signs that no failure brought up: {', '.join(self.silent) or 'none'}.",
             f"Not noticed, and not harmful here: {_names(harmless)}.",
         ]
