@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from navfmu.calibration.magnetometer.choice import AUTOMATIC, LIMIT, METHODS, choose
 from navfmu.calibration.magnetometer.locus import UNTOLD
 from navfmu.errors import NavfmuError
-from tests.calibration.turned import FIELD
+from tests.calibration.turned import CENTRE, FIELD, measured
 
 FLIGHTS = 60
 SOFT = 0.03
@@ -67,3 +67,36 @@ def test_a_straight_flight_tells_nothing(method):
     fields = np.array([2e-5, 1e-5, 4e-5]) + 3e-7 * np.random.default_rng(1).standard_normal((500, 3))
     with pytest.raises(NavfmuError, match="no calibration is to be had"):
         choose(fields, FIELD, 2.2e-5, method, "made")
+
+
+@pytest.mark.parametrize("strength", [FIELD, None])
+@pytest.mark.parametrize("across", [1e-6, 1e-4])
+def test_fields_in_a_disc_are_no_flank_of_a_huge_ellipsoid(strength, across):
+    """A triad whose z tells nothing but a slow creep, and one with gains of 4 and 2, which is one (thesis Table 3.3).
+
+    Wrong: Earth's field of 0.37 T, or a gain of z of 600, with an error of 0.03 %.
+    """
+    rng = np.random.default_rng(2)
+    fields = measured(rng, np.pi, 3000, 2e-7)
+    fields[:, 2] = 4e-5 + across * FIELD * np.linspace(0.0, 1.0, len(fields))
+    with pytest.raises(NavfmuError, match="no calibration is to be had"):
+        choose(fields, strength, None, "ellipsoid", "made")
+    turned = measured(rng, np.pi, 3000, 2e-7, gained=np.diag([4.0, 2.0, 1.0]), centre=7.0 * CENTRE)
+    assert choose(turned, strength, None, "ellipsoid", "made").method == "ellipsoid"
+
+
+@pytest.mark.parametrize("method", ["ellipse", "circle"])
+def test_fields_all_over_a_disc_are_no_circle(method):
+    """Wrong: a circle with an error of 1 %, from which fields are a quarter of it away, as if that were noise."""
+    turned = np.random.default_rng(2).standard_normal((3000, 3))
+    fields = FIELD * turned / np.linalg.norm(turned, axis=1)[:, None] * [1.0, 1.0, 0.0]
+    with pytest.raises(NavfmuError, match=rf"{method}: .* % of the field are left, rms; expected 10 %"):
+        choose(fields, 0.9 * FIELD, 0.9 * FIELD, method, "made")
+
+
+def test_fields_on_a_line_are_refused():
+    """Wrong: a sphere of negative gain, whose mean over three axes is a complex number."""
+    along = np.outer(np.random.default_rng(1).standard_normal(3000), [1e-5, 5e-6, 2e-6])
+    for strength in (FIELD, None):
+        with pytest.raises(NavfmuError, match="no calibration is to be had"):
+            choose(along, strength, None, AUTOMATIC, "made")

@@ -21,6 +21,7 @@ from navfmu.calibration.magnetometer.locus import (
     member,
     with_untold,
 )
+from navfmu.calibration.magnetometer.recording import EARTH
 from navfmu.calibration.magnetometer.two_step import two_step
 from navfmu.errors import NavfmuError, nearest
 
@@ -29,6 +30,10 @@ LIMIT = 0.02
 where the triad was turned: 10 mG of 500. The thesis's triad was left with 7 mG and 4 mG about them (Fig 3.27)."""
 TILTED = 0.05
 """Standard deviation of the field along z, over its strength, from which a turn is not level: 3 degrees."""
+LARGEST = 10.0
+"""Gains, and hard iron over Earth's field, at most: 4 and 7.5 are in the thesis (Table 3.3)."""
+LEFT = 0.1
+"""Distance of the samples from their surface, rms over its size, at most: in flights it is up to 7 %."""
 SHOWN = 400
 """Samples at which errors are looked at, about."""
 
@@ -103,10 +108,11 @@ def _judged(name: str, measured: np.ndarray, strength: float | None, horizontal:
         return "the fields lie next to no surface"
     error, angle = _error(simple, measured), None if method.level else strip(_directions(simple, measured))
     if locus is None:
-        return f"{method.failed}; {_why(error, angle)}"
+        return method.failed if error <= LIMIT else f"{method.failed}; {_why(error, angle)}"
     if (found := _error(locus, measured)) <= LIMIT:
+        locus = locus if strength else locus.of_mean_gain()
         untold = _error(with_untold(locus, measured), measured)
-        return Chosen(name, locus if strength else locus.of_mean_gain(), found, untold, angle, ())
+        return _wild(locus) or Chosen(name, locus, found, untold, angle, ())
     return _why(error if error > LIMIT else found, angle)
 
 
@@ -138,6 +144,21 @@ def _why(error: float, angle: float | None) -> str:
     needed = angle * np.sqrt(error / LIMIT)
     told = f"about {np.degrees(needed):.0f} are needed" if needed < np.pi else "the whole sphere is needed, and longer"
     return f"{found}; the fields span a strip of {np.degrees(angle):.0f} degrees, and with their scatter {told}"
+
+
+def _wild(locus: Locus) -> str | None:
+    """A sentence on what no triad has: fields in a plane lie in the flank of a huge ellipsoid as well as in a disc."""
+    gains = 1.0 / np.linalg.eigvalsh(locus.matrix)
+    iron, most = float(np.linalg.norm(locus.matrix @ locus.centre)), LARGEST * EARTH
+    if not (1.0 / LARGEST <= gains.min() and gains.max() <= LARGEST):
+        return f"gains would be {gains.min():.3g} to {gains.max():.3g}; expected {1.0 / LARGEST:g} to {LARGEST:g}"
+    left = locus.sigma / (locus.field * float(gains.max()))
+    if not left <= LEFT:
+        return f"{_percent(left)} of the field are left, rms; expected {100.0 * LEFT:g} % at most"
+    for what, size in (("Earth's field", locus.field), ("the hard iron", iron)):
+        if not size <= most:
+            return f"{what} would be {1e6 * size:.3g} uT; expected {1e6 * most:.3g} at most"
+    return None
 
 
 def _percent(share: float) -> str:

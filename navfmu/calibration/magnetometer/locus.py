@@ -143,7 +143,15 @@ def fit(family: Family, measured: np.ndarray, field: float) -> Locus | None:
     x = _descend(family, scaled, x, sigma)
     if x is None:
         return None
-    return _there(family, x, measured, field, sigma)
+    axes = measured.shape[1]
+    positive = family.unknowns(_positive(family.matrix(x[axes:], axes)))
+    return _there(family, np.concatenate([x[:axes], positive]), measured, field, sigma)
+
+
+def _positive(matrix: np.ndarray) -> np.ndarray:
+    """Of all symmetric P of one surface, |P v|^2 = v' P^2 v, the one that mirrors nothing."""
+    gains, axes = np.linalg.eigh(matrix)
+    return axes @ np.diag(np.abs(gains)) @ axes.T
 
 
 def member(family: Family, other: Locus, measured: np.ndarray) -> Locus:
