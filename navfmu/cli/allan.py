@@ -47,7 +47,7 @@ def command(file, columns, units, shortest, fmu, out, picture):
     if out is not None:
         check_file(out, ".ssv")
         elsewhere(out, "--out", file, None)
-        fmu = shipped.system(fmu if Path(fmu).suffix or Path(fmu).exists() else f"{fmu}.fmu")
+        fmu = shipped.fmu(fmu)
     if picture is not None:
         check_file(picture, ".png")
     shortest = within(shortest, 0.0, 1e6, "--shortest", "s")

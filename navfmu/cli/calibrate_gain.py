@@ -42,7 +42,7 @@ def command(file, latitude, altitude, known, columns, units, axes, fmu, out):
     if out is not None:
         check_file(out, ".ssv")
         elsewhere(out, "--out", file, known)
-        fmu = shipped.system(fmu)
+        fmu = shipped.fmu(fmu)
     before = gain.known(known)
     latitude = np.radians(within(latitude, -90.0, 90.0, "--latitude", "deg"))
     altitude = within(altitude, -1000.0, 10000.0, "--altitude", "m")

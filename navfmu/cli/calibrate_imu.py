@@ -51,7 +51,7 @@ def command(file, latitude, altitude, columns, units, axes, without, fmu, out, c
         if target is not None:
             check_file(target, kind)
             elsewhere(target, option, file, None)
-    fmu = fmu and shipped.system(fmu)
+    fmu = None if fmu is None else shipped.fmu(fmu)
     latitude = np.radians(within(latitude, -90.0, 90.0, "--latitude", "deg"))
     altitude = within(altitude, -1000.0, 10000.0, "--altitude", "m")
     given = {name: unit for name, (unit,) in named(units, "--unit", parts=None).items()}

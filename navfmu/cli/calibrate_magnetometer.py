@@ -62,7 +62,7 @@ def command(file, method, strength, place, date, columns, units, axes, begin, en
         if path is not None:
             check_file(path, *kinds)
             elsewhere(path, option, file, None)
-    fmu = fmu and shipped.system(fmu)
+    fmu = None if fmu is None else shipped.fmu(fmu)
     given = {name: unit for name, (unit,) in named(units, "--unit", parts=None).items()}
     turned = tuple(part.strip() for part in axes.split(","))
     taken = recording(file, named(columns, "--column"), given, turned, begin, end)

@@ -12,7 +12,7 @@ import click
 @click.option("--track", type=click.Path(), help="A recorded track (CSV) in place of a place.")
 @click.option("--ground", default=0.0, metavar="FT", help="Height of the ground, for the horizon.  [default: the sea]")
 @click.option("--count", type=int, metavar="N", help="How many at most.  [default: what the FMU holds, or 5]")
-@click.option("--fmu", metavar="FMU", help="The FMU that gets them: a file, or the name of one that is shipped.")
+@click.option("--fmu", metavar="FMU", help="The FMU that gets them: a file, or the name of a shipped one.")
 @click.option("--out", type=click.Path(dir_okay=False), help="The parameter set to write, .ssv.")
 @click.option("--network", type=click.Path(dir_okay=False), help="The table of a receiver's network to write, .csv.")
 def command(file, near, altitude, track, ground, count, fmu, out, network):
@@ -49,7 +49,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
         raise NavfmuError("--fmu and --out belong together: the FMU that gets the stations, and the .ssv to write")
     if out is not None:
         check_file(out, ".ssv")
-        fmu = shipped.system(fmu)
+        fmu = shipped.fmu(fmu)
     ground = within(ground, -2000.0, 20000.0, "--ground", "ft") * FOOT
     if near:
         altitude = within(5000.0 if altitude is None else altitude, -2000.0, 100000.0, "--altitude", "ft")

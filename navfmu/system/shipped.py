@@ -41,6 +41,22 @@ def system(name: str) -> Path:
     return Path(name) if name.strip() and what_is(name) is not None else named(name)
 
 
+def fmu(name: str) -> Path:
+    """An FMU by path, or a shipped one by its name, with or without its ending ("imu")."""
+    if not name.strip():
+        raise NavfmuError("the name of the FMU is empty")
+    file = Path(name)
+    if what_is(file) == "a file":
+        return file
+    full = file.name if file.suffix else f"{file.name}.fmu"
+    found = find(full) if file.parent == Path() else None
+    if found is None:
+        there = what_is(file)
+        said = f"is {there}" if there else "no such file, and no FMU of that name is shipped"
+        raise NavfmuError(f"{name}: {said}; expected an FMU{nearest(full, names('.fmu'))}")
+    return found
+
+
 def named(name: str) -> Path:
     """A shipped system by its bare name, whatever the current folder holds."""
     file = Path(name)

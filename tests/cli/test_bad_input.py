@@ -134,6 +134,33 @@ def test_a_shipped_fmu_that_is_misspelt_is_answered_with_the_nearest(monkeypatch
     refused(navfmu("info", "imuu.fmu"), "imuu.fmu: no such file", "did you mean 'imu.fmu'")
 
 
+FOR_AN_FMU = {
+    "allan": ["allan", "none.csv"],
+    "imu": ["calibrate", "imu", "none.csv", "--latitude", "47.7"],
+    "gain": ["calibrate", "gain", "none.csv", "--latitude", "47.7"],
+    "magnetometer": ["calibrate", "magnetometer", "none.csv"],
+    "stations": ["stations", "none.csv", "--near", "37.7", "-121.8"],
+}
+
+
+@pytest.mark.parametrize("command", FOR_AN_FMU)
+def test_parameters_are_for_a_file_or_a_shipped_fmu_by_name(command, monkeypatch, tmp_path):
+    """Also where a folder here has that name. Wrong: the name of a system is expected; no name is this folder."""
+    (tmp_path / "shipped").mkdir()
+    (tmp_path / "shipped" / "imu.fmu").write_bytes(b"")
+    (tmp_path / "imu").mkdir()
+    monkeypatch.setattr(shipped, "folders", lambda: [tmp_path / "shipped"])
+    monkeypatch.chdir(tmp_path)
+
+    def asked(fmu):
+        return navfmu(*FOR_AN_FMU[command], "--fmu", fmu, "--out", "set.ssv")
+
+    refused(asked("imu"), "imu.fmu: is not an FMU" if command == "stations" else "none.csv: no such file")
+    refused(asked("imuu"), "imuu: no such file, and no FMU of that name is shipped", "did you mean 'imu.fmu'")
+    refused(asked("shipped"), "shipped: is a folder; expected an FMU")
+    refused(asked(""), "the name of the FMU is empty")
+
+
 def test_info_does_not_describe_an_archive_that_would_break_out_of_its_folder(tmp_path):
     evil = tmp_path / "evil.fmu"
     evil.write_bytes((systems.fmus() / "lag.fmu").read_bytes())
