@@ -13,6 +13,9 @@ from navfmu.recorded.replay import px4
 from navfmu.recorded.replay.asked import scale
 from navfmu.recorded.replay.file import File, read
 
+LARGEST = 1e20
+"""Of a measured number, in any unit: nanoseconds since 1970 are 2e18."""
+
 
 def opened(path: str | Path, column: str) -> File:
     """Read a table, or what has a column of a log of PX4."""
@@ -52,6 +55,8 @@ class Columns:
         if len(named) != count:
             raise NavfmuError(f"--column {name}: {len(named)} columns are named; expected {count}")
         for column in named:
+            if named.count(column) > 1:
+                raise NavfmuError(f"--column {name}: '{column}' is named twice; expected a column for each axis")
             if column not in self.file.names:
                 raise NavfmuError(
                     f"{self.file.path}: has no column '{column}' for {name}; it has {', '.join(self.file.names[:20])}"
@@ -68,6 +73,9 @@ class Columns:
         if not np.all(np.isfinite(values)):
             at = int(np.argmin(np.isfinite(values)))
             raise NavfmuError(f"{file.path}, {file.row(at)}: '{column}' has no number; expected one in every row")
+        if not np.all(np.abs(values) <= LARGEST):
+            at = int(np.argmax(np.abs(values)))
+            raise NavfmuError(f"{file.path}, {file.row(at)}: '{column}' is {values[at]:g}; expected what was measured")
         asked = self.units.get(name, file.units.get(column, unit))
         factor, offset = scale(asked, unit, f"{file.path}: {name}")
         return factor * values + offset

@@ -40,12 +40,13 @@ def command(
     if collection is None and not listing:
         have = f"there are {', '.join(known)}" if known else f"no package of {collections.SPACE} is installed"
         raise NavfmuError(f"which collection of figures? ({have}; --list shows their rows)")
+    chosen = tuple(name.strip() for text in only for name in text.split(","))
     if listing:
-        for name in known if collection is None else [collection]:
-            listed(collections.collection(name))
+        for one in map(collections.collection, known if collection is None else [collection]):
+            listed(one, one.chosen(chosen))
         return
     found = collections.collection(collection)
-    rows = found.chosen(tuple(name.strip() for text in only for name in text.split(",")))
+    rows = found.chosen(chosen)
     folder = check_results(out if out is not None else f"results/figures-{found.name}", "figures", *FILES)
     with Progress(f"figures of {found.name}") as progress:
         outcome = run(found, rows, seed, folder, jobs, progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.text import Text
@@ -10,6 +11,7 @@ from navfmu.figures.answer import FAILED
 from navfmu.figures.collection import Collection
 from navfmu.figures.comparison import AGREES, EXPLAINED
 from navfmu.figures.report import summary
+from navfmu.figures.row import Row
 from navfmu.figures.running import Outcome
 from navfmu.terminal.console import console, say
 from navfmu.terminal.table import Column, Kind, Table
@@ -17,12 +19,12 @@ from navfmu.terminal.table import Column, Kind, Table
 _STYLES = {AGREES: "green", EXPLAINED: "yellow"}
 
 
-def listed(found: Collection) -> None:
-    """The rows of a collection."""
+def listed(found: Collection, rows: Sequence[Row]) -> None:
+    """Rows of a collection."""
     out = console()
     say(out, f"{found.name}: {found.source}")
     columns = [Column("row", Kind.WORD), Column("claim", Kind.SENTENCE), Column("source", Kind.SENTENCE)]
-    out.print(Table(columns, [[row.name, row.claim, row.source] for row in found.rows]))
+    out.print(Table(columns, [[row.name, row.claim, row.source] for row in rows]))
 
 
 def show(outcome: Outcome, report: Path) -> None:

@@ -171,6 +171,11 @@ def test_bad_input_is_a_sentence(rest):
     assert "samples are 20 s apart; expected 1e-05 to 2; name the unit of the time" in refused(in_ms)
     cut_off = rest.assign(specific_force_z=np.maximum(rest["specific_force_z"], -STANDARD_GRAVITY))
     assert "specific_force z is -9.80665 m/s2 in 48 % of the samples at rest and never beyond" in refused(cut_off)
+    tiny = rest.assign(rate_x=1e-300 * rest["rate_x"])
+    assert "rad/s at rest; expected the noise of a sensor" in refused(tiny)
+    huge = rest.assign(rate_x=np.where(np.arange(len(rest)) == 17, 1e300, rest["rate_x"]))
+    assert "line 19: 'rate_x' is 1e+300; expected what was measured" in refused(huge)
+    assert "'rate_x' is named twice" in refused(rest, "--column", "rate=rate_x,rate_x,rate_z")
     assert "fewer than four points" in refused(rest, "--shortest", "5")
     assert "--fmu and --out belong together" in refused(rest, "--out", "set.ssv")
 

@@ -109,6 +109,7 @@ WRONG = {
     "row": (["made", "--only", "M2,M20"], "'made' has no row 'M20'; did you mean 'M2'? (it has: M2, M10,"),
     "small letters": (["made", "--only", "m13"], "'made' has no row 'm13'; did you mean 'M13'?"),
     "no names": (["made", "--only", ","], "'made' has no row '' (it has: M2,"),
+    "a row to list": (["made", "--list", "--only", "M20"], "'made' has no row 'M20'; did you mean 'M2'?"),
     "a file": (["made", "--out", "file"], "file: cannot be written"),
     "another's folder": (["made", "--out", "swept"], "holds the results of a sweep, where the results of figures"),
     "in the way": (["made", "--out", "full"], "report.html: is a folder, where a file is to be written"),

@@ -18,6 +18,8 @@ from navfmu.recorded.replay.file import File
 
 STEPS = 5
 """Values that a column has at rest, at least: noise of half a step of the resolution or more has so many."""
+SCATTER = 1e-12
+"""Standard deviation at rest, rad/s and m/s2, at least: a thousandth of what the best gyros have."""
 IRREGULAR = 0.1
 """Share of the usual interval by which intervals may differ without a word."""
 CUT = 0.05
@@ -83,6 +85,11 @@ def _check_plausible(file: File, sensor: Sensor, stretches: list[np.ndarray]) ->
             f"the unit of the file, as in --unit {sensor.quantity}={'deg/s' if sensor.unit == 'rad/s' else 'g'}"
         )
     for axis, values in zip("xyz", np.vstack(stretches).T, strict=True):
+        if not np.std(values) > SCATTER:
+            raise NavfmuError(
+                f"{file.path}: {sensor.quantity} {axis} scatters by {np.std(values):.3g} {sensor.unit} at rest; "
+                f"expected the noise of a sensor, {SCATTER:g} at least"
+            )
         levels, counts = np.unique(values, return_counts=True)
         if len(levels) < STEPS:
             raise NavfmuError(

@@ -58,6 +58,11 @@ def recording(
         begin, end = (time[0] if begin is None else begin), (time[-1] if end is None else end)
         rows = np.flatnonzero((time >= begin) & (time <= end))
         told.append(f"{len(rows)} of {len(time)} rows are from {begin:g} to {end:g} s")
+        if not len(rows):
+            raise NavfmuError(
+                f"{file.path}: no row is from {begin:g} to {end:g} s; expected --begin and --end in its time, "
+                f"{np.min(time):g} to {np.max(time):g} s"
+            )
     if len(rows) < FEWEST:
         raise NavfmuError(f"{file.path}: {len(rows)} samples are too few; expected {FEWEST} at least")
     every = 1 + (len(rows) - 1) // MOST
