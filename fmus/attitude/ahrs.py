@@ -257,7 +257,7 @@ class Ahrs(Reference, Component):
 
         # measurement update: field
         turning_rates = attitude.euler_rates(rate, angles[0], angles[1])
-        then = angles[2] - turning_rates[2] * (self.time - self.field.time_of_validity)
+        then = angles[2] - turning_rates[2] * self.before(self.field)
         expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.local_declination, self.hard_iron)
         correction, covariance, misfit = ahrs.field_updates(
             correction,
@@ -272,8 +272,8 @@ class Ahrs(Reference, Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        new_gps, age = self.new_gps()
-        then = angles - turning_rates * age
+        new_gps = self.new_gps()
+        then = angles - turning_rates * self.before(self.gps)
         correction, covariance = ahrs.angle_updates(
             correction, covariance, attitude.wrap(told - then), self.gps_sigma**2, new_gps
         )

@@ -300,7 +300,7 @@ class AhrsVelocity(Reference, Component):
         )
 
         # measurement update: field
-        age = self.imu_time - self.field.time_of_validity
+        age = self.before(self.field)
         then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_field, age, 0.0)))
         strength_then = np.where(align, 0.0, self.strength)
         expected, matrix = filter_.rows(
@@ -331,8 +331,8 @@ class AhrsVelocity(Reference, Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        new_gps, _ = self.new_gps()
-        age = self.imu_time - self.gps.time_of_validity
+        new_gps = self.new_gps()
+        age = self.before(self.gps)
         told = quaternion.of_euler(*np.where(new_gps, told, 0.0))
         then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_gps, age, 0.0)))
         expected, matrix = filter_.rows(filter_.turn_seen, then, told)

@@ -299,11 +299,15 @@ class Reference(Instrument):
         return self.field_told() & (self.field.sequence != self.field_seen) & due
 
     def new_gps(self):
-        """Whether there is GPS attitude that was not used yet, and its age, s."""
+        """Whether there is GPS attitude that was not used yet."""
         age = self.time - self.gps.time_of_validity
         come = told(self.gps.valid, self.gps.roll, self.gps.pitch, self.gps.heading)
         in_time = (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6)
-        return come & in_time & (self.gps.sequence != self.gps_seen), age
+        return come & in_time & (self.gps.sequence != self.gps_seen)
+
+    def before(self, bundle):
+        """Time from a sample to the last of the inertial unit, s: the attitude is that of then, not of the aiding."""
+        return self.imu_time - bundle.time_of_validity
 
     def unseen(self):
         """Sigmas of :meth:`still`, which are none while GPS tells the attitude."""

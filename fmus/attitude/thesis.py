@@ -201,16 +201,16 @@ class Thesis(Reference):
         over = np.where(felt, time, 1.0)
         rate = self.rotation_sum / over
 
-        # what aids: GPS attitude, carried on to now
-        new_gps, age = self.new_gps()
-        new_gps = felt & new_gps
+        # what aids: GPS attitude, carried on to the last sample
+        new_gps = felt & self.new_gps()
+        age = self.before(self.gps)
         told = np.where(new_gps, np.stack([self.gps.roll, self.gps.pitch, self.gps.heading]), 0.0)
         by_gps = model.turned(model.of_angles(*told), rate * np.where(new_gps, age, 0.0))
         gps_time = np.where(new_gps, self.time, self.gps_time)
         calibrating = self.time - gps_time <= self.gps_timeout
 
-        # and level and field, turned on to now
-        age = self.time - self.field.time_of_validity
+        # and level and field, turned on to it
+        age = self.before(self.field)
         new_field = felt & self.new_field() & (ahrs.length(self.field.field_b) > 1.0e-9)
         field_b = np.where(new_field, self.field.field_b, 0.0)
         field_b = field_b - np.where(new_field, age, 0.0) * np.cross(rate, field_b)

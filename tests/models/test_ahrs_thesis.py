@@ -442,6 +442,28 @@ def test_gps_attitude_comes_before_level_and_field(natives, kind):
 
 
 @BOTH
+@pytest.mark.parametrize("by", ["field", "gps"])
+def test_what_aids_is_taken_at_its_time_with_samples_that_are_rare(natives, kind, by):
+    """Turning by 1 rad/s with samples every 0.1 s, aided between them: a filter that turns field or GPS attitude on to
+    the time of aiding, and not to that of its attitude, has a heading that is wrong by half of 0.1 s, 3 degrees."""
+    apart, step = 0.1, 0.02
+
+    def inputs(t):
+        k = round(t / step) // 5
+        heading = attitude.wrap(apart * k)
+        values = {"imu.rate": (0.0, 0.0, 1.0), "gps.heading": heading}
+        values["field.field_b"] = Rotation.from_euler("z", heading).inv().apply(FIELD_N)
+        for bundle in ("imu", by):
+            values |= {f"{bundle}.valid": True, f"{bundle}.sequence": k + 1, f"{bundle}.time_of_validity": apart * k}
+        return values
+
+    told = {**LEVEL, "sample_period": step, "aiding_period": 0.16, "airspeed": 0.0, "turn_limit": 3.0}
+    got = natives[kind].run(120.0, step, ["attitude.heading", "attitude.time_of_validity"], told, inputs)
+    left = np.degrees(attitude.wrap(got["attitude.time_of_validity"] - got["attitude.heading"]))
+    assert np.abs(left[3000:]).max() < 0.5
+
+
+@BOTH
 @pytest.mark.parametrize("gains", [1, 2])
 @pytest.mark.parametrize(
     "name", ["field.field_b", "imu.rate", "imu.specific_force", "gps.heading", "air.true_airspeed"]
