@@ -215,9 +215,13 @@ class AhrsVelocity(Reference, Component):
     def look_up(self):
         _, turned = self.chart()
         turn = quaternion.of_rotation(attitude.wrap(turned) * np.array([0.0, 0.0, 1.0]))
+        dcm = quaternion.dcm(turn)
         self.turn = quaternion.product(turn, self.turn)
-        self.velocity = quaternion.dcm(turn) @ self.velocity
-        self.force_sum = quaternion.dcm(turn) @ self.force_sum
+        self.velocity = dcm @ self.velocity
+        self.place = dcm @ self.place
+        self.force_sum = dcm @ self.force_sum
+        self.dcm_sum = dcm @ self.dcm_sum
+        self.covariance = filter_.rotated(self.covariance, dcm)
 
     @every("aiding_period")
     def aid(self):

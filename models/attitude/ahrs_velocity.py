@@ -73,6 +73,14 @@ def carried(velocity, place, force_sum, time):
     return velocity + gained, place + velocity * time + 0.5 * gained * time
 
 
+def rotated(upper, dcm):
+    """Covariance where n itself is turned by ``dcm``, as by a declination that was not known: what is in n turns."""
+    axes = np.kron(np.eye(3), dcm)
+    turning = np.concatenate([axes, np.zeros((MOVING, STATES - MOVING))], axis=1)
+    turning = np.concatenate([turning, np.eye(STATES)[MOVING:]])
+    return kalman.pack(turning @ kalman.unpack(upper) @ turning.T)
+
+
 def flow_seen(error, q, velocity, flow):
     """Velocity in b that an airspeed along the nose tells, with ``flow`` in it, m/s: [V 0 0] is measured."""
     true = quaternion.product(quaternion.of_rotation(error[TURN]), q)

@@ -19,6 +19,7 @@ DIP, DECLINATION, STRENGTH = np.radians(61.0), np.radians(13.0), 4.8e-5
 FIELD_N = STRENGTH * ahrs.field_n(DIP, DECLINATION)
 STEP = 0.02
 NAMES = ["turn", "gyro_bias", "hard_iron", "dip", "sigmas", "velocity", "strength", "covariance"]
+NAMES += ["place", "local_declination"]
 
 
 @pytest.fixture(scope="module")
@@ -353,6 +354,29 @@ def test_a_field_is_taken_at_its_time_with_samples_that_are_rare(native):
         Rotation.from_euler("z", np.reshape(got["attitude.time_of_validity"], (-1, 1))) * estimated.inv()
     ).as_rotvec()
     assert np.degrees(np.abs(left[3000:, 2])).max() < 0.5
+
+
+def test_the_first_declination_turns_all_that_is_in_n(native):
+    """The filter knows no north but that of the field. So one whose declination is wrong by 1.5 rad until it gets a
+    position goes on as one that knew it from the start; what is left behind in the old n (place, sums, covariance)
+    shows as a difference. Between two aidings, and in motion, so that nothing in n is zero."""
+    time = np.arange(0.0, 12.0 + 0.5 * STEP, STEP)
+    turns = Rotation.from_euler("ZYX", np.column_stack([time, 0.2 * np.sin(time), 0.4 * np.sin(0.7 * time)]))
+    velocities = np.column_stack([np.sin(time), 0.3 * np.cos(2.0 * time), 0.2 * np.sin(3.0 * time)])
+    here = {"position.latitude": 0.66, "position.longitude": -2.1, "position.altitude": 1500.0}
+    told = {**HAND.values, "chart_period": 5.03, "gyro_scale_sigma": 0.0}
+
+    def found(declination):
+        return fly(
+            native, turns, velocities, {**told, "declination": declination},
+            more=lambda k: here | {"position.valid": True, "position.sequence": 1},
+        )[0]  # fmt: skip
+
+    known = found(found(0.0)["local_declination"][-1])
+    other = found(known["local_declination"][-1] + 1.5)
+    assert np.abs(other["turn"][200] - known["turn"][200]).max() > 0.1
+    for name in ("turn", "velocity", "place", "gyro_bias", "hard_iron", "covariance"):
+        np.testing.assert_allclose(other[name][260:], known[name][260:], atol=1e-9, err_msg=name)
 
 
 def test_gps_attitude_takes_an_attitude_that_is_wrong(native):
