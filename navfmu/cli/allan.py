@@ -35,19 +35,14 @@ def command(file, columns, units, shortest, fmu, out, picture):
     from navfmu.calibration.allan.chart import chart
     from navfmu.calibration.allan.identification import identify
     from navfmu.calibration.allan.recording import recording
-    from navfmu.cli.place import elsewhere, within
+    from navfmu.cli.parameter_set import receiver
+    from navfmu.cli.place import within
     from navfmu.errors import NavfmuError, visible
     from navfmu.files.writing import write_file
     from navfmu.recorded.replay.asked import named
-    from navfmu.system import shipped
     from navfmu.system.result import check_file
 
-    if (fmu is None) != (out is None):
-        raise NavfmuError("--fmu and --out belong together: the FMU that gets the parameters, and the .ssv to write")
-    if out is not None:
-        check_file(out, ".ssv")
-        elsewhere(out, "--out", file, None)
-        fmu = shipped.fmu(fmu)
+    fmu = receiver(fmu, out, file)
     if picture is not None:
         check_file(picture, ".png")
     shortest = within(shortest, 0.0, 1e6, "--shortest", "s")

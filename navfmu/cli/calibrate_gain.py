@@ -30,19 +30,13 @@ def command(file, latitude, altitude, known, columns, units, axes, fmu, out):
 
     from navfmu.calibration.imu import gain
     from navfmu.calibration.imu.stands import stands
-    from navfmu.cli.place import elsewhere, within
-    from navfmu.errors import NavfmuError, visible
+    from navfmu.cli.parameter_set import receiver
+    from navfmu.cli.place import within
+    from navfmu.errors import visible
     from navfmu.files.writing import write_file
     from navfmu.recorded.replay.asked import named
-    from navfmu.system import shipped
-    from navfmu.system.result import check_file
 
-    if (fmu is None) != (out is None):
-        raise NavfmuError("--fmu and --out belong together: the FMU that gets the parameters, and the .ssv to write")
-    if out is not None:
-        check_file(out, ".ssv")
-        elsewhere(out, "--out", file, known)
-        fmu = shipped.fmu(fmu)
+    fmu = receiver(fmu, out, file, known)
     before = gain.known(known)
     latitude = np.radians(within(latitude, -90.0, 90.0, "--latitude", "deg"))
     altitude = within(altitude, -1000.0, 10000.0, "--altitude", "m")

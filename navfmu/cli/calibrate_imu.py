@@ -37,21 +37,19 @@ def command(file, latitude, altitude, columns, units, axes, without, fmu, out, c
     from navfmu.calibration.imu import parameters
     from navfmu.calibration.imu.determination import determine
     from navfmu.calibration.imu.stands import stands
+    from navfmu.cli.parameter_set import receiver
     from navfmu.cli.place import elsewhere, within
-    from navfmu.errors import NavfmuError, visible
+    from navfmu.errors import visible
     from navfmu.files.writing import write_file
     from navfmu.recorded.replay.asked import named
-    from navfmu.system import shipped
     from navfmu.system.result import check_file
 
-    if (fmu is None) != (out is None):
-        raise NavfmuError("--fmu and --out belong together: the FMU that gets the parameters, and the .ssv to write")
-    targets = {"--out": (out, ".ssv"), "--covariance": (covariance, ".csv"), "--picture": (picture, ".png")}
+    fmu = receiver(fmu, out, file)
+    targets = {"--covariance": (covariance, ".csv"), "--picture": (picture, ".png")}
     for option, (target, kind) in targets.items():
         if target is not None:
             check_file(target, kind)
-            elsewhere(target, option, file, None)
-    fmu = None if fmu is None else shipped.fmu(fmu)
+            elsewhere(target, option, file)
     latitude = np.radians(within(latitude, -90.0, 90.0, "--latitude", "deg"))
     altitude = within(altitude, -1000.0, 10000.0, "--altitude", "m")
     given = {name: unit for name, (unit,) in named(units, "--unit", parts=None).items()}

@@ -48,21 +48,18 @@ def command(file, method, strength, place, date, columns, units, axes, begin, en
     from navfmu.calibration.magnetometer.parameters import document
     from navfmu.calibration.magnetometer.recording import recording
     from navfmu.calibration.magnetometer.table import as_csv, as_json
+    from navfmu.cli.parameter_set import receiver
     from navfmu.cli.place import elsewhere
-    from navfmu.errors import NavfmuError
     from navfmu.files.writing import write_file
     from navfmu.recorded.replay.asked import named
-    from navfmu.system import shipped
     from navfmu.system.result import check_file
 
-    if (fmu is None) != (out is None):
-        raise NavfmuError("--fmu and --out belong together: the FMU that gets the parameters, and the .ssv to write")
-    targets = {"--out": (out, ".ssv"), "--table": (table, ".csv", ".json"), "--picture": (picture, ".png")}
+    fmu = receiver(fmu, out, file)
+    targets = {"--table": (table, ".csv", ".json"), "--picture": (picture, ".png")}
     for option, (path, *kinds) in targets.items():
         if path is not None:
             check_file(path, *kinds)
-            elsewhere(path, option, file, None)
-    fmu = None if fmu is None else shipped.fmu(fmu)
+            elsewhere(path, option, file)
     given = {name: unit for name, (unit,) in named(units, "--unit", parts=None).items()}
     turned = tuple(part.strip() for part in axes.split(","))
     taken = recording(file, named(columns, "--column"), given, turned, begin, end)

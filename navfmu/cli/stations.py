@@ -30,6 +30,7 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
     """
     import numpy as np
 
+    from navfmu.cli.parameter_set import receiver
     from navfmu.cli.place import along, elsewhere, place, reachable, unused, within
     from navfmu.constants import FOOT
     from navfmu.errors import NavfmuError
@@ -39,17 +40,12 @@ def command(file, near, altitude, track, ground, count, fmu, out, network):
     from navfmu.navaids.choice import choose
     from navfmu.navaids.coverage import Coverage, Points
     from navfmu.navaids.file import read
-    from navfmu.system import shipped
     from navfmu.system.result import check_file
 
     if (not near) == (track is None):
         raise NavfmuError("expected either --near LAT LON or --track FILE: where are the stations to be heard?")
     unused(track, "a place", altitude=altitude)
-    if (fmu is None) != (out is None):
-        raise NavfmuError("--fmu and --out belong together: the FMU that gets the stations, and the .ssv to write")
-    if out is not None:
-        check_file(out, ".ssv")
-        fmu = shipped.fmu(fmu)
+    fmu = receiver(fmu, out, file, track, what="stations")
     ground = within(ground, -2000.0, 20000.0, "--ground", "ft") * FOOT
     if near:
         altitude = within(5000.0 if altitude is None else altitude, -2000.0, 100000.0, "--altitude", "ft")
