@@ -15,6 +15,7 @@ from navfmu.calibration.magnetometer.picture import draw, draw_swing
 from navfmu.calibration.magnetometer.place import Field
 from navfmu.calibration.magnetometer.recording import Recording, check_strength
 from navfmu.calibration.magnetometer.swinging import LETTERS, swing
+from navfmu.calibration.magnetometer.wild import FAR
 from navfmu.errors import NavfmuError
 
 SWINGING = "swinging"
@@ -77,6 +78,8 @@ def _said(chosen: Chosen) -> list[str]:
         f"{1e6 * locus.sigma:.3g} uT of {1e6 * locus.field:.4g} are left, rms; a corrected field has errors of "
         f"{100.0 * chosen.error:.2g} % at most, one standard deviation, {span}, where the triad was turned",
     ]
+    if chosen.wild:
+        found.append(f"{chosen.wild} samples are left out: they are {FAR:g} sigma off the surface of the others")
     if chosen.untold > 1e-6:
         found.append(
             f"gains and soft iron that the method leaves out add {100.0 * chosen.untold:.2g} % for each percent of them"

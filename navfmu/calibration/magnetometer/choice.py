@@ -12,6 +12,7 @@ from navfmu.calibration.magnetometer.batch import batch
 from navfmu.calibration.magnetometer.coverage import strip
 from navfmu.calibration.magnetometer.locus import (
     AXES,
+    ELLIPSOID,
     FAMILIES,
     HARD_IRON,
     SPHERE,
@@ -22,7 +23,9 @@ from navfmu.calibration.magnetometer.locus import (
     with_untold,
 )
 from navfmu.calibration.magnetometer.recording import EARTH
+from navfmu.calibration.magnetometer.twin import as_good
 from navfmu.calibration.magnetometer.two_step import two_step
+from navfmu.calibration.magnetometer.wild import tame
 from navfmu.errors import NavfmuError, nearest
 
 LIMIT = 0.02
@@ -74,6 +77,8 @@ class Chosen:
     untold: float
     angle: float | None
     refused: tuple[str, ...]
+    wild: int = 0
+    """Samples that are left out."""
 
 
 def choose(measured: np.ndarray, strength: float | None, horizontal: float | None, method: str, source: str) -> Chosen:
@@ -83,10 +88,11 @@ def choose(measured: np.ndarray, strength: float | None, horizontal: float | Non
         raise NavfmuError(f"--method {method}: expected {', '.join(known)}{nearest(method, known)}")
     tried = DOWN if method == AUTOMATIC else (method, *DOWN[DOWN.index(method) + 1 if method in DOWN else 2 :])
     refused: list[str] = []
+    near = tame(measured, strength or _radius(measured))
     for name in tried:
-        found = _judged(name, measured, strength, horizontal)
+        found = _judged(name, measured[near], strength, horizontal)
         if isinstance(found, Chosen):
-            return replace(found, refused=tuple(refused))
+            return replace(found, refused=tuple(refused), wild=int(np.sum(~near)))
         refused.append(f"{name}: {found}")
     raise NavfmuError(f"{source}: no calibration is to be had from these fields: {'; '.join(refused)}")
 
@@ -103,13 +109,18 @@ def _judged(name: str, measured: np.ndarray, strength: float | None, horizontal:
     if strength is None and name == HARD_IRON.name:
         return "it needs the strength of the field; expected --field or --place"
     field = strength or _radius(measured)
-    simple, locus = _simple(method.family, measured, field), method.fit(measured, field)
+    locus = method.fit(measured, field)
+    simple = _simple(method.family, measured, field) or locus
     if simple is None:
         return "the fields lie next to no surface"
     error, angle = _error(simple, measured), None if method.level else strip(_directions(simple, measured))
     if locus is None:
         return method.failed if error <= LIMIT else f"{method.failed}; {_why(error, angle)}"
     if (found := _error(locus, measured)) <= LIMIT:
+        if not method.level and (two := as_good(locus, measured)) is not None and two[1] > 2.0 * LIMIT:
+            return _of_two(locus, *two)
+        if (other := _shape(locus, measured)) > LIMIT:
+            return f"gains or soft iron that it leaves out leave {_percent(other)} of the field, rms"
         locus = locus if strength else locus.of_mean_gain()
         untold = _error(with_untold(locus, measured), measured)
         return _wild(locus) or Chosen(name, locus, found, untold, angle, ())
@@ -134,6 +145,22 @@ def _error(locus: Locus, measured: np.ndarray) -> float:
     """Largest standard deviation of a corrected field where the triad was turned, over its strength."""
     directions = _directions(locus, measured[:: 1 + len(measured) // SHOWN])
     return float(np.max(locus.errors(directions))) / locus.field
+
+
+def _of_two(locus: Locus, other: Locus, apart: float) -> str:
+    centres = " and ".join("(" + ", ".join(f"{1e6 * x:.3g}" for x in one.centre) + ")" for one in (locus, other))
+    return (
+        f"the fields lie near a plane, and as near one surface as another, by which corrected fields are "
+        f"{_percent(apart)} apart: their centres are {centres} uT; expected turns that leave the plane"
+    )
+
+
+def _shape(locus: Locus, measured: np.ndarray) -> float:
+    """What is left by a surface and not by the nearest ellipsoid, rms over the field strength."""
+    nearest_of_all = fit(ELLIPSOID, measured, locus.field)
+    if nearest_of_all is None:
+        return 0.0
+    return float(np.sqrt(max(locus.sigma**2 - nearest_of_all.sigma**2, 0.0))) / locus.field
 
 
 def _why(error: float, angle: float | None) -> str:

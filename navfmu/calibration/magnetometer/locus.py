@@ -22,10 +22,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-STEPS = 50
-"""Of Gauss and Newton, at most."""
+STEPS = 100
+"""Of Gauss and Newton, at most: where gains are left out of a surface they become shorter slowly."""
 SMALL = 1e-8
 """Change of the parameters, in field strengths, at which a fit has come to its end."""
+SETTLED = 1e-6
+"""So is one whose next step changes nothing by more than this, a thousandth of a sigma, squared."""
 UNTOLD = 0.01
 """Standard deviation of gains and soft iron for which it is said what they do where they are not told."""
 FEW = 1000
@@ -139,7 +141,21 @@ def fit(family: Family, measured: np.ndarray, field: float) -> Locus | None:
     if not found:
         return None
     x = min(found, key=lambda one: float(np.sum(distances(one, family, some, 0.0) ** 2)))
-    sigma = float(np.sqrt(np.mean(distances(x, family, some, 0.0) ** 2)))
+    return _nearest(family, x, measured, field)
+
+
+def from_start(locus: Locus, centre: np.ndarray, measured: np.ndarray) -> Locus | None:
+    """The surface that lies next to the fields around another ``centre`` (axes,), T, or None where none is found."""
+    x = np.concatenate([centre / locus.field, locus.family.unknowns(locus.matrix)])
+    some = measured[:: 1 + len(measured) // FEW] / locus.field
+    x = _descend(locus.family, some, x, 0.0)
+    return None if x is None else _nearest(locus.family, x, measured, locus.field)
+
+
+def _nearest(family: Family, x: np.ndarray, measured: np.ndarray, field: float) -> Locus | None:
+    """The surface from where a fit to some of the samples has ended."""
+    scaled = measured / field
+    sigma = float(np.sqrt(np.mean(distances(x, family, scaled[:: 1 + len(scaled) // FEW], 0.0) ** 2)))
     x = _descend(family, scaled, x, sigma)
     if x is None:
         return None
@@ -252,6 +268,8 @@ def _descend(family: Family, scaled: np.ndarray, x: np.ndarray, sigma: float) ->
             return None
         step = -np.linalg.lstsq(slopes, distance, rcond=None)[0]
         share, cost = 1.0, float(distance @ distance)
+        if float(np.sum((slopes @ step) ** 2)) < SETTLED * cost / len(distance):
+            return x
         while not float(np.sum(distances(x + share * step, family, scaled, sigma) ** 2)) <= cost:
             share *= 0.5
             if share * float(np.max(np.abs(step))) < SMALL:
