@@ -39,7 +39,7 @@ FITS = {
 
 
 @pytest.mark.parametrize("axes", [2, 3])
-@pytest.mark.parametrize("family", FAMILIES, ids=str)
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
 def test_slopes_of_the_distances_are_those_of_the_projects_own_differentiation(family, axes):
     """Wrong: a denominator, or what noise adds to a length, that is held."""
     rng = np.random.default_rng(5)
@@ -106,7 +106,7 @@ def test_a_corrected_field_errs_by_what_the_locus_says():
     assert worst == pytest.approx(np.mean(told), rel=5.0 / np.sqrt(2.0 * 200))
 
 
-@pytest.mark.parametrize("family", [HARD_IRON, SPHERE, AXES], ids=str)
+@pytest.mark.parametrize("family", [HARD_IRON, SPHERE, AXES], ids=lambda family: family.name)
 def test_gains_and_soft_iron_that_are_left_out_do_what_is_said(family):
     """300 triads whose P is off by a percent in each unknown, turned in a strip aside of z, without noise: errors of
     corrected fields at four places, over the covariance. Wrong: what stays in the field, without what goes into the
