@@ -158,15 +158,17 @@ def test_t31_two_steps_have_the_samples_of_the_batch():
         np.testing.assert_allclose(t31.by_two_steps(case, 5, 7), expected, rtol=1e-9)
 
 
-def strips_of(level=0.1, thin=2.0, wide=0.6, lost=0, shares=(20, 20, 60, 20)):
-    """Errors of plus and minus so much, z in 10 and 20 degrees; ``lost`` runs that diverged, and percent of batches."""
+def strips_of(level=0.1, thin=2.0, wide=0.6, lost=0, shares=(20, 20, 60, 20), near=0, beyond=0):
+    """Errors of plus and minus so much, z in 10 and 20 degrees; ``lost`` runs that diverged, and percent of batches,
+    also from ``near``; ``beyond`` runs have an x of -0.51 mG."""
     steps = np.ones((4, 1000, 3))
     steps[:, ::2] = -1.0
     steps[:, :, :2] *= level
     steps[:, :, 2] *= np.array([thin, wide, thin, wide])[:, None]
     steps[0, :lost] = np.nan
-    batch = np.arange(t31.BATCHES) < np.array(shares)[:, None]
-    return t31.Strips(steps, batch, np.zeros(t31.BATCHES, bool))
+    steps[3, :beyond, 0] = -0.51
+    run = np.linspace(0.0, 100.0, t31.BATCHES, endpoint=False)
+    return t31.Strips(steps, run < np.array(shares)[:, None], run < near)
 
 
 @pytest.mark.parametrize(
@@ -175,6 +177,8 @@ def strips_of(level=0.1, thin=2.0, wide=0.6, lost=0, shares=(20, 20, 60, 20)):
         ({}, set()),
         ({"lost": 9}, set()),
         ({"lost": 10}, {0}),
+        ({"beyond": 9}, set()),
+        ({"beyond": 10}, {1}),
         ({"level": 0.51}, {1}),
         ({"wide": 0.09}, {2}),
         ({"wide": 2.1}, {3}),
@@ -182,10 +186,12 @@ def strips_of(level=0.1, thin=2.0, wide=0.6, lost=0, shares=(20, 20, 60, 20)):
         ({"shares": (20, 100, 60, 20)}, {5}),
         ({"shares": (20, 20, 35, 20)}, {6}),
         ({"shares": (20, 20, 80, 41)}, {7}),
+        ({"near": 6}, {7}),
     ],
 )
 def test_t31_a_mistake_differs(change, wrong):
-    """The scatter of two shares of 100 runs is 0.05 to 0.07; 4 of them are 0.28."""
+    """The scatter of two shares of 150 runs is 0.04 to 0.06; 3 of them are 0.17. Wrong: one run in 4000 that ends a row
+    for one seed of ten, a reason for case IV that is not so."""
     found = verdicts(t31.compared(strips_of(**change)))
     assert {i for i, one in enumerate(found) if one == DIFFERS} == wrong
     assert found[7] == (DIFFERS if 7 in wrong else EXPLAINED)
