@@ -163,7 +163,7 @@ class Ahrs(Reference, Component):
         residuals = ahrs.tilt_residuals(self.force, airspeed, self.rate, self.angles[0], self.angles[1])
         euler_rates = attitude.euler_rates(0.5 * (rate + self.rate), self.angles[0], self.angles[1])
         moved = self.angles + step * euler_rates
-        self.angles = np.stack([moved[0], moved[1], attitude.wrap(moved[2])])
+        self.angles = np.stack([attitude.wrap(moved[0]), moved[1], attitude.wrap(moved[2])])
         self.tilt_sum = self.tilt_sum + residuals
         self.sample_count = self.sample_count + 1.0
         self.force_sum = self.force_sum + force

@@ -58,6 +58,9 @@ class Gains(IntEnum):
     scheduled = 2
 
 
+DIP_TIME = 600.0
+"""s over which the dip is averaged (own choice): errors of the level by wind last for minutes, and an airliner flies
+through a degree of dip."""
 NOTHING, LEVEL, GPS = range(3)
 """What an aiding took."""
 
@@ -113,7 +116,8 @@ class Thesis(Reference):
         start=np.radians(3.0),
         min=1.0e-6,
         display_unit="deg",
-        description="error of heading by one field sample where the level is known (thesis Table 4.4: 0.8 deg)",
+        description="error of heading by one field sample where the level is known, at a dip of 60 degrees; it goes "
+        "with 1 / cos(dip) (thesis Table 4.4: 0.8 deg)",
     )
     aiding = Output(
         kind="integer",
@@ -135,6 +139,7 @@ class Thesis(Reference):
     rotation_sum = State(3, "rad", description="integral of the rate in b since the last aiding")
     force_sum = State(3, "m/s", description="integral of the specific force in n since the last aiding")
     iron_variance = State("1", description="variance of the hard iron")
+    dips = State("1", description="samples that the dip is the mean of; that of a chart counts as ten minutes")
     field_n = State(3, "T", description="field at the last known position, n")
 
     def densities(self):
@@ -237,7 +242,14 @@ class Thesis(Reference):
         by_needle = model.of_angles(roll, pitch, magnetic + self.local_declination)
         align = np.logical_not(self.aligned) & (new_gps | new_field)
         turn = np.where(align, np.where(new_gps, by_gps, by_needle), self.turn)
-        dip = np.where(align & np.logical_not(self.charted), np.arcsin(np.clip(down, -1.0, 1.0)), self.dip)
+
+        # without a chart, the dip is the mean of what field and level show
+        seen = new_field & np.logical_not(self.charted) & ((heavy & open_) | (self.dips < 0.5))
+        most = DIP_TIME / self.aiding_period
+        self.dips = np.where(self.charted, most, np.minimum(self.dips + np.where(seen, 1.0, 0.0), most))
+        shown = np.where(seen, np.arcsin(np.clip(down, -1.0, 1.0)), 0.0)
+        dip = np.where(seen, self.dip + (shown - self.dip) / np.maximum(self.dips, 1.0), self.dip)
+        needle = ahrs.declination_at(self.needle_sigma, dip)
 
         # time update
         angle, bias = self.densities()
@@ -248,7 +260,8 @@ class Thesis(Reference):
         moved = kalman.propagate(self.covariance, phi, np.ones(3), np.zeros(6))
         moved = moved + kalman.pack(gyro_axis.noises(model.driven(self.turn_then), white, bias, time))
         first = np.where(new_gps, self.gps_sigma, self.initial_sigma)
-        squares = np.stack([np.where(new_gps, self.gps_sigma, self.needle_sigma), first, first]) ** 2
+        levelled = np.minimum(needle**2 + (np.tan(dip) * self.initial_sigma) ** 2, 1.0)
+        squares = np.stack([np.where(new_gps, first**2, levelled), first**2, first**2])
         none = np.zeros((3, 3))
         above = np.concatenate([model.begun(turn, squares), none], axis=1)
         begun = np.concatenate([above, np.concatenate([none, gyro * np.eye(3)], axis=1)])
@@ -260,7 +273,7 @@ class Thesis(Reference):
         # measurement update, gains computed
         running = self.aligned
         use_gps, use_level = new_gps & running, new_level & running
-        spread = np.stack([self.needle_sigma, self.tilt_sigma, self.tilt_sigma])
+        spread = np.stack([needle, self.tilt_sigma, self.tilt_sigma])
         gps = model.by_angles(turn, by_gps, self.gps_sigma * np.ones(3))
         level = model.by_vectors(turn, level_b, minus_g, dip, self.local_declination, spread)
         correction = np.zeros(6)
@@ -282,8 +295,8 @@ class Thesis(Reference):
         correction = np.where(scheduled, steps[0] + steps[1], correction)
 
         turn = model.corrected(turn, correction[:3])
-        by_axis = np.stack([axes[2, 0, 0], axes[1, 0, 0], axes[0, 0, 0]])
-        squares = np.where(scheduled, by_axis, model.variances(turn, kalman.unpack(covariance)[:3, :3]))
+        turns = np.where(scheduled, model.begun(turn, axes[:, 0, 0]), kalman.unpack(covariance)[:3, :3])
+        squares = model.variances(turn, turns)
         known = np.isfinite(np.sum(turn) + np.sum(squares)) & (np.min(squares) >= 0.0)
         lost = np.logical_not(known & (np.min(squares) < np.pi * np.pi))
         begin = np.logical_not(running | align) | lost

@@ -62,7 +62,7 @@ def by_gyros(estimated):
 def turned(estimated, rotation):
     """The attitude after a small rotation in b, rad: (4.45) by the midpoint rule."""
     middle = estimated + 0.5 * by_gyros(estimated) @ rotation
-    return estimated + by_gyros(middle) @ rotation
+    return upright(*(estimated + by_gyros(middle) @ rotation))
 
 
 def transition(estimated, rotation, time):
@@ -100,8 +100,11 @@ def by_vectors(estimated, field_b, minus_g, dip, declination, sigmas):
 
 
 def corrected(estimated, correction):
-    """With pitch within a quarter turn of the level."""
-    heading, pitch, roll = estimated + correction
+    return upright(*(estimated + correction))
+
+
+def upright(heading, pitch, roll):
+    """The same attitude with pitch within a quarter turn of the level, and the others within half a turn."""
     over = np.abs(pitch) > 0.5 * np.pi
     return np.stack(
         [

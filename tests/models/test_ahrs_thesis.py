@@ -31,7 +31,7 @@ HORIZON = {**TABLE, "alpha": 1.0, "beta": 1.0, "gains": 1, "declination": DECLIN
 EULER, QUATERNION = "euler", "quaternion"
 BOTH = pytest.mark.parametrize("kind", [EULER, QUATERNION])
 NAMES = [f"attitude.{name}{more}" for name in ("roll", "pitch", "heading") for more in ("", "_sigma")]
-NAMES += ["gyro_bias", "hard_iron", "covariance", "aiding", "computed_yaw_rate"]
+NAMES += ["gyro_bias", "hard_iron", "dip", "covariance", "aiding", "computed_yaw_rate", "attitude.yaw_rate"]
 
 
 @pytest.fixture(scope="module")
@@ -85,11 +85,13 @@ def fly(
 
 
 PLACE = 0.66, -2.1, 1500.0
+FAR_NORTH = 1.09, -2.0, 1500.0
+"""Yellowknife: a dip of 82 degrees."""
 
 
-def at_place(k):
+def at_place(k, place=PLACE):
     """The bundle ``position``."""
-    values = {f"position.{name}": x for name, x in zip(("latitude", "longitude", "altitude"), PLACE, strict=True)}
+    values = {f"position.{name}": x for name, x in zip(("latitude", "longitude", "altitude"), place, strict=True)}
     return values | {"position.valid": True, "position.sequence": k, "position.time_of_validity": k * STEP}
 
 
@@ -294,6 +296,28 @@ def test_euler_angles_do_not_pass_the_vertical(natives):
 
 
 @BOTH
+def test_published_angles_are_those_of_an_attitude(natives, kind):
+    """Rolling by 20 deg/s and then looping by 15: between two aidings roll was beyond 180 and pitch beyond 90 degrees,
+    where the yaw rate of it was divided by 1e-6."""
+    time = np.arange(round(72.0 / STEP) + 2) * STEP
+    rolled = 20.0 * np.clip(time, 0.0, 36.0), [1.0, 0.0, 0.0]
+    looped = 15.0 * np.clip(time - 36.0, 0.0, None) + 0.1, [0.0, 1.0, 0.0]
+    turns = Rotation.from_rotvec(np.radians(np.outer(*rolled))) * Rotation.from_rotvec(np.radians(np.outer(*looped)))
+    got, _ = fly(natives[kind], turns, HORIZON)
+    assert np.abs(got["attitude.roll"]).max() <= np.pi
+    assert np.abs(got["attitude.pitch"]).max() <= 0.5 * np.pi
+    assert np.abs(got["attitude.yaw_rate"]).max() < 1e4
+
+
+@pytest.mark.parametrize("gains", [1, 2])
+def test_at_the_vertical_sigmas_say_that_roll_and_heading_are_one(natives, gains):
+    """A tenth of a degree from it: those of scheduled gains stayed as they are in level flight."""
+    got, _ = fly(natives[QUATERNION], straight(30.0, pitch=np.radians(89.9)), {**HORIZON, "gains": gains})
+    roll, pitch, heading = (got[f"attitude.{name}_sigma"][-1] for name in ("roll", "pitch", "heading"))
+    assert min(roll, heading) > 100.0 * pitch
+
+
+@BOTH
 def test_hard_iron_is_learned_while_gps_attitude_tells(natives, kind):
     """The field of the World Magnetic Model at a place, and iron of 2 %; without a position nothing is learned."""
     iron = np.array([0.02, -0.015, 0.01])
@@ -394,19 +418,19 @@ def test_with_compensation_a_turn_is_aided(natives, kind):
     assert np.abs(left[2400:]).max() < 1.0
 
 
-def by_level_and_field(native, kind, seed):
+def by_level_and_field(native, kind, seed, place=PLACE):
     """Errors of the six states and their covariance after 90 s of straight flight; both vectors err white."""
     rng, tilt, needle = np.random.default_rng(seed), np.radians(2.0), np.radians(0.8)
     turns = straight(90.0, heading=rng.uniform(-3.0, 3.0))
-    known = magnetic_field.field(*PLACE, 2026.0)
-    across = np.hypot(known[0], known[1])
+    known = magnetic_field.field(*place, 2026.0)
+    across = 0.5 * np.linalg.norm(known)  # what errs by the needle's sigma where the dip is 60 degrees
     white = rng.standard_normal((3, len(turns), 3))
     forces = turns.inv().apply([0.0, 0.0, -G]) + G * tilt * np.sqrt(PERIOD / STEP) * white[0]  # which is averaged
     fields = turns.inv().apply(known) + across * needle * white[1]
     bias = 0.002 * rng.standard_normal(3) + np.cumsum(np.sqrt(2.0 * GYRO**2 / 1000.0 * STEP) * white[2], axis=0)
 
     def seen(k):
-        return at_place(k) | {"field.field_b": fields[k], "imu.specific_force": forces[k]}
+        return at_place(k, place) | {"field.field_b": fields[k], "imu.specific_force": forces[k]}
 
     told = {"tilt_sigma": tilt, "needle_sigma": needle, "initial_sigma": tilt, "gyro_null_shift_sigma": 0.002}
     open_ = {"turn_limit": 1.0, "force_limit": 2.0, "chart_period": 1.0}
@@ -418,17 +442,44 @@ def by_level_and_field(native, kind, seed):
     return np.concatenate([error, bias[-2] - got["gyro_bias"][-1]]), kalman.unpack(got["covariance"][-1])
 
 
-def test_by_vectors_errors_are_as_large_as_they_are_said_to_be(natives):
-    """24 flights, chi-square of 144, 99.9 % of it: vectors have the errors that (4.60) gives them.
+@pytest.mark.parametrize("place", [PLACE, FAR_NORTH])
+def test_by_vectors_errors_are_as_large_as_they_are_said_to_be(natives, place):
+    """24 flights, chi-square of 144, 99.9 % of it: vectors have the errors that (4.60) gives them, at any dip.
 
-    A needle does not: it is levelled by the force, whose error counts tan(dip) times in it, and R_v (4.51) has none of
-    that. So Euler angles say of heading less than half of what they are wrong by.
+    Not so where the field's direction is known to the needle times cos(dip), or the first heading as well as the needle
+    of a known level.
     """
-    flights = [by_level_and_field(natives[QUATERNION], QUATERNION, seed) for seed in range(SEEDS)]
+    flights = [by_level_and_field(natives[QUATERNION], QUATERNION, seed, place) for seed in range(SEEDS)]
     low, high = stats.chi2.ppf([0.0005, 0.9995], 6 * SEEDS)
     assert low < sum(error @ np.linalg.solve(covariance, error) for error, covariance in flights) < high
+
+
+def test_a_needle_errs_with_the_level(natives):
+    """It is levelled by the force, whose error counts tan(dip) times in it, and R_v (4.51) has none of that.
+
+    So Euler angles say of heading less than half of what they are wrong by.
+    """
     flights = [by_level_and_field(natives[EULER], EULER, seed) for seed in range(SEEDS)]
     assert np.mean([error[0] ** 2 / covariance[0, 0] for error, covariance in flights]) > 4.0
+
+
+def test_a_dip_without_a_chart_is_that_of_many_samples(natives):
+    """GPS attitude aligns, and a field comes later; then they stand on a level that errs by 2 degrees a sample.
+
+    A dip that is read at the alignment is that of no field, and level and field disagree for ever; one that is read of
+    the first field is wrong by what the level was then.
+    """
+    turns, rng = straight(150.0), np.random.default_rng(4)
+    white = G * np.radians(2.0) * np.sqrt(PERIOD / STEP) * rng.standard_normal((len(turns), 3))
+    forces = turns.inv().apply([0.0, 0.0, -G]) + white
+
+    def late(k):
+        return {"field.valid": k * STEP > 20.0, "imu.specific_force": forces[k]}
+
+    open_ = {"tilt_sigma": np.radians(2.0), "turn_limit": 1.0, "force_limit": 2.0}
+    got, left = fly(natives[QUATERNION], turns, {**HORIZON, **open_}, gps=40.0, field=True, more=late)
+    assert abs(got["dip"][-1] - DIP) < np.radians(0.5)  # 2 degrees over sqrt(260), four of them
+    assert np.abs(left[-1]).max() < 1.5
 
 
 @BOTH
