@@ -154,7 +154,7 @@ class Ahrs(Reference, Component):
 
     @on_new("imu")
     def integrate(self):
-        step = np.maximum(self.imu.time_of_validity - self.imu_time, 0.0)
+        step = self.imu_step()
         known = self.imu_told()
         rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
         force = np.where(known, self.imu.specific_force, self.force)
@@ -206,7 +206,7 @@ class Ahrs(Reference, Component):
         speeding = np.where(fresh, (self.airspeed_seen - self.airspeed_used) / np.where(changed, since, 1.0), 0.0)
 
         # initial alignment
-        new_field = self.new_field()
+        new_field = felt & self.new_field()
         direction = self.field.field_b / np.maximum(ahrs.length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
         turning = ahrs.turning_acceleration(np.where(fresh, airspeed, 0.0), rate)

@@ -18,6 +18,7 @@ HAND = ParameterSet(
     "indoors (own choice; of the recordings of BROAD it gives the errors that stand in the documentation).",
     {
         "aiding_period": 0.07,
+        "gap_limit": 0.3,
         "airspeed": 0.0,
         "blind_airspeed_sigma": 0.0,
         "flow_sigma": 0.0,
@@ -54,6 +55,7 @@ SMALL_AIRCRAFT = ParameterSet(
     "microtesla; it walks by 1 % in 100 s with the currents of the motor (own choice).",
     {
         "aiding_period": 0.1,
+        "gap_limit": 1.0,
         "airspeed": 18.0,
         "blind_airspeed_sigma": 5.0,
         "velocity_walk": 0.55,
@@ -181,7 +183,7 @@ class AhrsVelocity(Reference, Component):
 
     @on_new("imu")
     def integrate(self):
-        step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
+        step = self.imu_step()
         known = self.imu_told()
         rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
         force = np.where(known, self.imu.specific_force, self.force)
@@ -237,7 +239,7 @@ class AhrsVelocity(Reference, Component):
         flow_sigmas = np.concatenate([np.reshape(airspeed_sigma, (1,)), air_sigmas])
 
         # initial alignment
-        new_field = self.new_field()
+        new_field = felt & self.new_field()
         strength = np.maximum(length(self.field.field_b), 1.0e-9)
         align = np.logical_not(self.aligned) & felt & new_field
         turning = turning_acceleration(np.where(fresh, self.airspeed_seen, 0.0), rate)

@@ -233,6 +233,13 @@ class Reference(Instrument):
     gyro_drift_time = Parameter(
         "s", start=_DEFAULT["gyro_drift_time"], min=1.0, description="correlation time of the drift (thesis Table 3.2)"
     )
+    gap_limit = Parameter(
+        "s",
+        start=5.0,
+        min=0.0,
+        description="time without inertial samples over which no attitude is carried: it is aligned anew (own choice; "
+        "in 5 s a turn of 3 deg/s is missed by 15 degrees)",
+    )
     airspeed_time = Parameter(
         "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
     )
@@ -288,6 +295,16 @@ class Reference(Instrument):
     @on_new("air")
     def take_air(self):
         self.airspeed_seen = np.where(self.air_told(), self.air.true_airspeed, self.airspeed_seen)
+
+    def imu_step(self):
+        """Time from the last inertial sample to this, s; 0 for the first, and for one after a gap.
+
+        Nobody knows how it turned in a gap, so the attitude is no longer aligned.
+        """
+        step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
+        gap = step > self.gap_limit
+        self.aligned = self.aligned & np.logical_not(gap)
+        return np.where(gap, 0.0, step)
 
     def fresh_air(self):
         """Whether the airspeed is not too old."""

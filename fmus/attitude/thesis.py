@@ -173,7 +173,7 @@ class Thesis(Reference):
 
     @on_new("imu")
     def integrate(self):
-        step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
+        step = self.imu_step()
         known = self.imu_told()
         rate = np.where(known, self.imu.rate - self.gyro_bias, self.rate)
         force = np.where(known, self.imu.specific_force, self.force)

@@ -46,7 +46,18 @@ def straight(seconds, heading=0.7, pitch=0.05, roll=0.0):
 
 
 def fly(
-    native, turns, parameters, gps=np.inf, field=False, speed=0.0, bias=BIAS, seed=1, gyro=GYRO, iron=0.0, more=None
+    native,
+    turns,
+    parameters,
+    gps=np.inf,
+    field=False,
+    speed=0.0,
+    bias=BIAS,
+    seed=1,
+    gyro=GYRO,
+    iron=0.0,
+    more=None,
+    names=NAMES,
 ):
     """Outputs, and what is left of the rotation in b (deg), of a flight of attitudes at 0, STEP, ...
 
@@ -77,7 +88,7 @@ def fly(
             values |= {f"{bundle}.valid": True, f"{bundle}.sequence": k, f"{bundle}.time_of_validity": k * STEP}
         return values | (more(k) if more else {})
 
-    got = native.run((count - 1) * STEP, STEP, NAMES, parameters, inputs)
+    got = native.run((count - 1) * STEP, STEP, names, parameters, inputs)
     estimated = Rotation.from_euler(
         "ZYX", np.column_stack([got[f"attitude.{n}"] for n in ("heading", "pitch", "roll")])
     )

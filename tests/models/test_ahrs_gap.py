@@ -1,0 +1,62 @@
+"""An inertial unit that is silent while the aircraft turns: nobody knows how, so the attitude is aligned anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from fmus.attitude.ahrs import Ahrs
+from fmus.attitude.ahrs_euler import AhrsEuler
+from fmus.attitude.ahrs_quaternion import AhrsQuaternion
+from fmus.attitude.ahrs_velocity import AhrsVelocity
+from tests.models.native import Native
+from tests.models.test_ahrs_thesis import DECLINATION, STEP, fly
+
+ANGLES = [f"attitude.{name}" for name in ("roll", "pitch", "heading")]
+FROM, TO, TURNED = 60.0, 90.0, 130.0
+PLAIN = {"sample_period": STEP, "declination": DECLINATION}
+
+
+@pytest.mark.parametrize(
+    ("component", "parameters"),
+    [(Ahrs, {}), (AhrsVelocity, {}), (AhrsEuler, {"compensated": True}), (AhrsQuaternion, {"compensated": True})],
+)
+def test_a_turn_without_inertial_samples_is_no_lasting_error(tmp_path, component, parameters):
+    """130 degrees in 30 s. Carried over the gap, heading is wrong by 130 degrees with a sigma of 3, and stays so; what
+    the field shows in the gap must not be learned as hard iron either."""
+    time = np.arange(round(150.0 / STEP) + 2) * STEP
+    heading = np.radians(30.0 + np.interp(time, [FROM + 5.0, TO - 5.0], [0.0, TURNED]))
+    turns = Rotation.from_euler("ZYX", np.column_stack([heading, 0.02 + 0.0 * time, 0.0 * time]))
+    silent = round(FROM / STEP)
+
+    def lacking(k):
+        return {"imu.sequence": silent, "imu.time_of_validity": FROM} if FROM < k * STEP < TO else {}
+
+    native = Native(component, tmp_path)
+    got, left = fly(
+        native, turns, {**PLAIN, **parameters}, gps=-1.0, field=True, speed=60.0, bias=0.0, gyro=0.0, more=lacking,
+        names=ANGLES,
+    )  # fmt: skip
+    assert np.abs(left[round(FROM / STEP) - 100 : round(FROM / STEP)]).max() < 1.0
+    assert np.abs(left[got["time"] > TO + 1.0]).max() < 1.0
+    assert native.fmu.getBoolean([native.fields["attitude.valid"].index])[0]
+
+
+def test_a_short_gap_is_bridged(tmp_path):
+    """2 s of a steady turn: the mean of the rates before and after, without an alignment."""
+    time = np.arange(round(80.0 / STEP) + 2) * STEP
+    rate = np.radians(3.0)
+    roll = np.arctan(60.0 * rate / 9.80665)
+    turns = Rotation.from_euler("ZYX", np.column_stack([rate * time, 0.0 * time, roll + 0.0 * time]))
+
+    def lacking(k):
+        return {"imu.sequence": 1200, "imu.time_of_validity": FROM} if FROM < k * STEP < FROM + 2.0 else {}
+
+    got, left = fly(
+        Native(AhrsVelocity, tmp_path), turns, PLAIN, gps=-1.0, field=True, speed=60.0, bias=0.0, gyro=0.0,
+        more=lacking, names=[*ANGLES, "attitude.heading_sigma"],
+    )  # fmt: skip
+    after = got["time"] > FROM + 2.0
+    assert np.abs(left[after]).max() < 1.0
+    assert np.degrees(got["attitude.heading_sigma"][after]).max() < 4.0
