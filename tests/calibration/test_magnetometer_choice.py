@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from navfmu.calibration.magnetometer.choice import AUTOMATIC, LIMIT, METHODS, choose
-from navfmu.calibration.magnetometer.locus import UNTOLD
+from navfmu.calibration.magnetometer.locus import HARD_IRON, UNTOLD, fit
 from navfmu.errors import NavfmuError
 from tests.calibration.turned import CENTRE, FIELD, measured
 
@@ -157,3 +159,16 @@ def test_a_sphere_is_refused_where_the_fields_are_an_ellipsoid():
     samples = measured(np.random.default_rng(8), np.pi, 2000, 1e-7)
     with pytest.raises(NavfmuError, match=r"sphere: gains or soft iron that it leaves out leave \d"):
         choose(samples, FIELD, None, "sphere", "made")
+
+
+def test_errors_of_a_hard_iron_alone_are_those_of_the_sphere_that_has_the_fields_strength():
+    """A narrow strip of a triad that has gains of 1, with noise. Wrong: errors at the sphere of any size that lies next
+    to it, whose centre is elsewhere."""
+    fields = measured(np.random.default_rng(9), 0.2, 300, 4e-6, gained=np.eye(3))
+    with pytest.raises(NavfmuError, match="no calibration is to be had") as refused:
+        choose(fields, FIELD, None, "hard-iron", "made")
+    said = re.search(r"hard-iron: errors of ([\d.]+) %", str(refused.value))
+    own = fit(HARD_IRON, fields, FIELD)
+    seen = own.corrected(fields)
+    errors = own.errors(seen / np.linalg.norm(seen, axis=1)[:, None]) / FIELD
+    assert float(said[1]) == pytest.approx(100.0 * errors.max(), rel=0.01)

@@ -130,7 +130,7 @@ def _judged(name: str, measured: np.ndarray, strength: float | None, horizontal:
 def _simple(family: Family, measured: np.ndarray, field: float) -> Locus | None:
     """The nearest sphere as a surface of a family: it has what errors of the family can be had from these turns, and
     the angle that they span, also where the nearest of the family is none."""
-    for other in (SPHERE, HARD_IRON):
+    for other in (HARD_IRON,) if family is HARD_IRON else (SPHERE, HARD_IRON):
         if (found := fit(other, measured, field)) is not None:
             return member(family, found, measured)
     return None
