@@ -10,7 +10,11 @@ import time
 
 import pytest
 
-from tests.figures.made import GOOD, collection, command, environment, navfmu
+from navfmu.figures import Task
+from navfmu.figures.comparison import AGREES
+from navfmu.figures.row import Row
+from tests import built
+from tests.figures.made import GOOD, ROOT, collection, command, environment, navfmu
 
 
 @pytest.fixture(scope="module")
@@ -163,3 +167,14 @@ def test_rows_of_another_file_are_not_taken_twice(tmp_path):
     (folder / "navfmu_figures" / "made" / "both.py").write_text("from navfmu_figures.made.m2 import m2\n")
     assert navfmu(folder, "made").returncode == 0
     assert list(answers(folder / "results" / "figures-made")) == ["M2"]
+
+
+def test_the_row_of_the_page_agrees(tmp_path, tmp_path_factory):
+    """To the letter, with the built FMU. Wrong: a name that is defined nowhere, a tolerance that chance misses."""
+    page = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    names = {"__name__": "navfmu_figures.book.f3"}
+    exec(page.partition("```python\n")[2].partition("```")[0], names)
+    (row,) = (one for one in names.values() if isinstance(one, Row))
+    for seed in (1, 2):
+        found = row.find(Task(seed, tmp_path, {name: built.fmu(name, tmp_path_factory) for name in row.fmus}))
+        assert [one.verdict for one in found.comparisons] == [AGREES]
