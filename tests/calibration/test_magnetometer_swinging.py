@@ -62,3 +62,33 @@ def test_headings_on_one_side_are_refused(degrees):
     noise = 3e-7 * np.random.default_rng(1).standard_normal((60, 2))
     with pytest.raises(NavfmuError, match="compass rose"):
         swing(fields(heading, noise=noise), heading, "made")
+
+
+def test_hard_iron_makes_no_soft_iron():
+    """Hard iron of a fifth of the horizontal field, and nothing else. Wrong: its square, 2 %, as soft iron."""
+    heading = np.radians(np.arange(0.0, 360.0, 10.0))
+    found = swing(fields(heading, 0.0 * SOFT, HORIZONTAL * np.array([0.16, -0.12])), heading, "made")
+    np.testing.assert_allclose(found.soft_iron, np.zeros((2, 2)), atol=1e-3)  # orders beyond the third are left
+
+
+def test_hard_iron_that_the_series_does_not_hold_is_refused():
+    """Two fifths of the horizontal field in half of the rose are 10 degrees off in the other half, and more than all of
+    it is no series. Wrong: a sigma of 0.2 degrees, that of noise."""
+    iron, noise = np.array([8e-6, -6e-6]), 1e-7 * np.random.default_rng(1).standard_normal((36, 2))
+    half, rose = np.radians(np.arange(0.0, 180.0, 5.0)), np.radians(np.arange(0.0, 360.0, 10.0))
+    for heading, size in ((half, 1.0), (rose, 3.5)):
+        with pytest.raises(NavfmuError, match="compass rose"):
+            swing(fields(heading, 0.0 * SOFT, size * iron, noise), heading, "made")
+    assert swing(fields(rose, 0.0 * SOFT, iron, noise), rose, "made").coefficients[1] < -0.3
+
+
+def test_errors_that_follow_the_heading_make_wider_covariances():
+    """A sine of three times the heading is left. Wrong: as many independent errors as there are samples."""
+    heading = np.radians(np.tile(np.arange(0.0, 360.0, 3.0), 4))
+    np.random.default_rng(2).shuffle(heading)
+    more = HORIZONTAL * 0.02 * np.sin(3.0 * heading)[:, None]
+    white = HORIZONTAL * 0.02 / np.sqrt(2.0) * np.random.default_rng(3).standard_normal((480, 1))
+    wide, narrow = (
+        np.sqrt(np.max(np.diag(swing(fields(heading, noise=one), heading, "made").covariance))) for one in (more, white)
+    )
+    assert wide > 3.0 * narrow

@@ -203,7 +203,7 @@ def of_unknowns(family: Family, x: np.ndarray, spread: np.ndarray, measured: np.
     """
     axes = measured.shape[1]
     distance = distances(x, family, measured / field, 0.0)
-    together = _correlation(distance)
+    together = as_one(distance)
     scale = np.concatenate([np.full(axes, field), np.ones(len(x) - axes)])
     covariance = spread * together * np.outer(scale, scale)
     return Locus(family, field, field * x[:axes], family.matrix(x[axes:], axes), field * distance, covariance, together)
@@ -281,8 +281,9 @@ def _descend(family: Family, scaled: np.ndarray, x: np.ndarray, sigma: float) ->
     return None
 
 
-def _correlation(distance: np.ndarray) -> float:
-    """Sum of the autocorrelation over all lags until pairs of it are none: 1 for white noise (Geyer, 1992)."""
+def as_one(distance: np.ndarray) -> float:
+    """How many of these (samples,) are as good as one, 1 for white noise: the sum of the autocorrelation over all lags
+    until pairs of it are none (Geyer, 1992)."""
     n = len(distance)
     spectrum = np.abs(np.fft.rfft(distance - np.mean(distance), 2 * n)) ** 2
     shares = np.fft.irfft(spectrum)[:n]

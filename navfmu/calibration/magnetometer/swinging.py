@@ -6,6 +6,9 @@ Level, at known headings psi, the needle psi^ = atan2(-B_y, B_x) errs by
 
     B = -dB_x / H,  C = -dB_y / H,  A = (a_xy - a_yx) / 2,  D = (a_yy - a_xx) / 2,  E = -(a_xy + a_yx) / 2.
 
+That is to first order. To second order hard iron adds (B^2 - C^2) / 2 to D and B C to E, a degree where B and C are 7;
+it is taken out of soft iron.
+
 (3.51) lacks the sign between its last two terms and has other indices in A, D and E; these follow from (3.48)-(3.50). A
 mounting of the triad turned by an angle is in A, as (3.55) says. The mean of the gains is not told by headings.
 """
@@ -16,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from navfmu.calibration.magnetometer.locus import as_one
 from navfmu.errors import NavfmuError
 
 LIMIT = np.radians(2.5)
@@ -45,7 +49,8 @@ class Swing:
     @property
     def soft_iron(self) -> np.ndarray:
         """The matrix (2, 2) of a, without the mean of its diagonal."""
-        a, _, _, d, e = self.coefficients
+        a, b, c, d, e = self.coefficients
+        d, e = d - 0.5 * (b**2 - c**2), e - b * c
         return np.array([[-d, a - e], [-a - e, d]])
 
 
@@ -70,15 +75,32 @@ def swing(measured: np.ndarray, heading: np.ndarray, source: str) -> Swing:
         )
     coefficients = np.linalg.lstsq(rows, error, rcond=None)[0]
     left = error - rows @ coefficients
-    spread = float(left @ left) / max(1, len(left) - 5) * np.linalg.inv(rows.T @ rows)
-    around = design(np.radians(np.arange(0.0, 360.0, 5.0)))
+    together = max(as_one(left), as_one(left[np.argsort(np.mod(heading, 2.0 * np.pi))]))  # noise, or another series
+    spread = together * float(left @ left) / max(1, len(left) - 5) * np.linalg.inv(rows.T @ rows)
+    rose = np.radians(np.arange(0.0, 360.0, 5.0))
+    around = design(rose)
     worst = float(np.sqrt(np.max(np.sum(around @ spread * around, axis=1))))
     if not worst <= LIMIT:
         raise NavfmuError(
             f"{source}: headings would be left with errors of {np.degrees(worst):.2g} deg where the triad was not "
             f"turned to; expected {np.degrees(LIMIT):g}, and headings all around the compass rose"
         )
+    third = np.linalg.lstsq(rows, third_order(coefficients, heading), rcond=None)[0]
+    off = float(np.max(np.abs(third_order(coefficients, rose) - around @ third)))
+    if not off <= LIMIT:
+        raise NavfmuError(
+            f"{source}: hard iron of {100.0 * np.hypot(*coefficients[1:3]):.0f} % of the horizontal field makes errors "
+            f"of more than five coefficients, {np.degrees(off):.2g} deg at some headings; expected "
+            f"{np.degrees(LIMIT):g} at most, and headings all around the compass rose, or another method"
+        )
     return Swing(coefficients, spread, left)
+
+
+def third_order(coefficients: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    """What hard iron adds to errors of ``heading``, rad, and (3.52) leaves out: Im(z^3 exp(-3 i psi)) / 3, of the
+    logarithm of 1 + z exp(-i psi) with z = -B + i C."""
+    z = -coefficients[1] + 1j * coefficients[2]
+    return np.imag(z**3 * np.exp(-3j * heading)) / 3.0
 
 
 def wrap(angle: np.ndarray) -> np.ndarray:
