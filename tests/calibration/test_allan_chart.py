@@ -63,7 +63,7 @@ def test_allan_variance_of_samples_is_that_of_their_covariance(count, correlatio
     assert RANDOM_WALK.variance(0.02 * count, 0.02, 1.0) == pytest.approx(walk, rel=1e-10)
 
 
-@pytest.mark.parametrize("term", TERMS, ids=str)
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 def test_slopes_are_those_of_table_c1(term):
     """As printed; a Gauss-Markov process has its +1/2 while it is young, as section C.4 says."""
     printed = {"quantisation": -1.0, "white noise": -0.5, "flicker": 0.0, "rate random walk": 0.5, "ramp": 1.0}

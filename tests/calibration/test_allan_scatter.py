@@ -13,7 +13,7 @@ from tests.calibration import made
 RUNS = 100
 
 
-@pytest.mark.parametrize("term", [QUANTISATION, WHITE, FLICKER, RANDOM_WALK, GAUSS_MARKOV], ids=str)
+@pytest.mark.parametrize("term", [QUANTISATION, WHITE, FLICKER, RANDOM_WALK, GAUSS_MARKOV], ids=lambda term: term.name)
 def test_the_spectrum_through_the_filter_is_the_variance(term):
     """Thesis section C.3, of samples; of flicker noise from 16 on, where samples and averages are the same. A part in
     100; at the longest times the lowest frequencies lack, of a random walk 8 parts. Wrong: one side of the spectrum, no
