@@ -237,6 +237,7 @@ class Reference(Instrument):
         "s",
         start=5.0,
         min=0.0,
+        max=1.0e6,
         description="time without inertial samples over which no attitude is carried: it is aligned anew (own choice; "
         "in 5 s a turn of 3 deg/s is missed by 15 degrees)",
     )
@@ -285,7 +286,7 @@ class Reference(Instrument):
     hard_iron = Output(3, "1", description="estimated hard iron over the strength of the field, body axes")
 
     sigmas = State(3, "rad", display_unit="deg", description="standard deviations of these")
-    imu_time = State("s", description="time of validity of the last IMU sample")
+    imu_time = State("s", start=-1.0e9, description="time of validity of the last IMU sample")
     had_air = State(kind="boolean", description="there were air data at the last aiding")
     field_seen = State(kind="integer", description="sequence number of the last field used")
     gps_seen = State(kind="integer", description="sequence number of the last GPS attitude used")
@@ -301,7 +302,7 @@ class Reference(Instrument):
 
         Nobody knows how it turned in a gap, so the attitude is no longer aligned.
         """
-        step = np.where(self.imu_time > 0.0, np.maximum(self.imu.time_of_validity - self.imu_time, 0.0), 0.0)
+        step = np.maximum(self.imu.time_of_validity - self.imu_time, 0.0)
         gap = step > self.gap_limit
         self.aligned = self.aligned & np.logical_not(gap)
         return np.where(gap, 0.0, step)

@@ -11,7 +11,7 @@ from fmus.attitude.ahrs_euler import AhrsEuler
 from fmus.attitude.ahrs_quaternion import AhrsQuaternion
 from fmus.attitude.ahrs_velocity import AhrsVelocity
 from tests.models.native import Native
-from tests.models.test_ahrs_thesis import DECLINATION, STEP, fly
+from tests.models.test_ahrs_thesis import DECLINATION, FIELD_N, STEP, fly
 
 ANGLES = [f"attitude.{name}" for name in ("roll", "pitch", "heading")]
 FROM, TO, TURNED = 60.0, 90.0, 130.0
@@ -60,3 +60,31 @@ def test_a_short_gap_is_bridged(tmp_path):
     after = got["time"] > FROM + 2.0
     assert np.abs(left[after]).max() < 1.0
     assert np.degrees(got["attitude.heading_sigma"][after]).max() < 4.0
+
+
+@pytest.mark.parametrize("component", [Ahrs, AhrsVelocity, AhrsEuler, AhrsQuaternion])
+def test_a_simulation_may_begin_before_0(component, tmp_path):
+    """At -100 s: where no sample counted whose time was not above 0, gyros were left out until then."""
+    native = Native(component, tmp_path)
+
+    def flown(begin):
+        fmu, count = native.fmu, 600
+        fmu.reset()
+        fmu.setupExperiment(startTime=begin)
+        for name, value in PLAIN.items():
+            native._set(fmu, name, value)
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        turns = Rotation.from_rotvec(np.outer(0.1 * STEP * np.arange(count), [0.0, 0.0, 1.0]))
+        fields = turns.inv().apply(FIELD_N)
+        for k in range(1, count):
+            native._set(fmu, "imu.rate", [0.0, 0.0, 0.1])
+            native._set(fmu, "field.field_b", fields[k])
+            for bundle in ("imu", "field"):
+                native._set(fmu, f"{bundle}.valid", True)
+                native._set(fmu, f"{bundle}.sequence", k)
+                native._set(fmu, f"{bundle}.time_of_validity", begin + k * STEP)
+            fmu.doStep(begin + (k - 1) * STEP, STEP)
+        return fmu.getReal([native.fields["attitude.heading"].index])[0]
+
+    assert flown(-100.0) == pytest.approx(flown(0.0), abs=1e-9)
