@@ -208,6 +208,9 @@ def test_a_swing_is_calibrated_in_the_heading_domain(tmp_path, tmp_path_factory)
     values = {row["name"]: row["value"] for row in json.loads((tmp_path / "swing.json").read_text())["values"]}
     assert values["B"] == pytest.approx(np.degrees(-6e-7 / 2.3e-5), abs=0.1)
     assert values["C"] == pytest.approx(np.degrees(4e-7 / 2.3e-5), abs=0.1)
+    in_degrees = navfmu(file, "--method", "swinging")
+    assert in_degrees.exit_code == 2
+    assert "as in --unit heading=deg" in " ".join(in_degrees.output.split())
     assert matplotlib.image.imread(tmp_path / "swing.png").shape[2] == 4
     written = {setting.name: setting.value for setting in read_parameters(tmp_path / "swing.ssv")}
     assert written["hard_iron[1]"] == pytest.approx(6e-7, abs=4e-8)

@@ -83,7 +83,8 @@ def swing(measured: np.ndarray, heading: np.ndarray, source: str) -> Swing:
     if not worst <= LIMIT:
         raise NavfmuError(
             f"{source}: headings would be left with errors of {np.degrees(worst):.2g} deg where the triad was not "
-            f"turned to; expected {np.degrees(LIMIT):g}, and headings all around the compass rose"
+            f"turned to; expected {np.degrees(LIMIT):g}, and headings all around the compass rose, clockwise, in rad "
+            "or the unit that is named, as in --unit heading=deg"
         )
     third = np.linalg.lstsq(rows, third_order(coefficients, heading), rcond=None)[0]
     off = float(np.max(np.abs(third_order(coefficients, rose) - around @ third)))
