@@ -79,7 +79,7 @@ def _show(made: Page, answer: Answer) -> None:
     made.picture(answer.picture, answer.words, answer.words)
     reasons = []
     for one in answer.comparisons:
-        reasons.append(f"{one.what}: printed {one.printed}, ours {one.finding}. Agrees at {one.bounds}: {one.why}")
+        reasons.append(f"{one.what}: printed {one.printed}, ours {one.finding}. Agrees if {one.bounds}: {one.why}")
         if one.explanation:
             reasons.append(f"{one.what} differs: {one.explanation}")
     made.items(reasons)

@@ -145,7 +145,7 @@ def picture(found: Strips) -> bytes:
             if letter != "z":
                 for edge in (-0.5, 0.5):
                     axis.axvline(edge, color="black", lw=0.8, ls=":")
-            axis.set(xlabel="error, mG", yscale="log")
+            axis.set(xlabel="error, mG", yscale="log", ylabel=f"runs, of {RUNS}" if letter == "x" else "")
             title(drawing, axis, f"Two steps, hard iron of {letter}")
         centres[-1].legend(fontsize=7)
         place = np.arange(len(CASES))

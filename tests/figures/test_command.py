@@ -60,7 +60,7 @@ def test_same_seed_same_table_for_any_number_of_jobs(done):
 def test_the_report_has_claim_reason_and_picture(done):
     page = (done[0] / "out 1" / "report.html").read_text(encoding="utf-8")
     assert "A book that is made." in page and page.count("data:image/png") == 3
-    assert "Agrees at 2 to 4: it has no more digits" in page
+    assert "Agrees if 2 to 4: it has no more digits" in page
     assert "the area is another (explained: 5 to 7)" in page
     assert "FAILED: there is no such orbit" in page
 
