@@ -28,6 +28,11 @@ AIRCRAFT = {
 """Of filters that model what these do: by grade of ``imu``."""
 
 
+RATE_MOST, FORCE_MOST, AIRSPEED_MOST, ANGLE_MOST, ALTITUDE_MOST = 100.0, 500.0, 1000.0, 7.0, 1.0e6
+"""What no sample of an aircraft is beyond, rad/s, m/s2, m/s, rad, m: such a number is none (own choice; the
+coarsest gyros and accelerometers there are have 4000 deg/s and 40 g, and an angle is within a turn)."""
+
+
 class Instrument:
     """Inputs, the bundle ``attitude``, and the parameters of every attitude reference."""
 
@@ -160,11 +165,13 @@ class Instrument:
 
     def imu_told(self):
         """Whether the sample of the inertial unit is one of numbers; its ``valid`` is that of the attitude."""
-        return told(True, self.imu.rate, self.imu.specific_force)
+        rate, force = np.max(np.abs(self.imu.rate)), np.max(np.abs(self.imu.specific_force))
+        return told((rate <= RATE_MOST) & (force <= FORCE_MOST), rate, force)
 
     def air_told(self):
         """Whether there is an airspeed, and what it is worth."""
-        return told(self.air.valid, self.air.true_airspeed, self.air.true_airspeed_sigma)
+        sound = self.air.valid & (np.abs(self.air.true_airspeed) <= AIRSPEED_MOST)
+        return told(sound, self.air.true_airspeed, self.air.true_airspeed_sigma)
 
     def field_told(self):
         """Whether there is a field."""
@@ -178,7 +185,9 @@ class Instrument:
         follows along the flight.
         """
         here = self.position
-        there = told(here.valid, here.latitude, here.longitude, here.altitude)
+        on_earth = (np.abs(here.latitude) <= 0.5 * np.pi) & (np.abs(here.longitude) <= ANGLE_MOST)
+        near = on_earth & (np.abs(here.altitude) <= ALTITUDE_MOST)
+        there = told(here.valid & near, here.latitude, here.longitude, here.altitude)
         field_n = magnetic_field.field(here.latitude, here.longitude, here.altitude, self.date)
         charted = magnetic_field.declination(field_n)
         turned = np.where(there & np.logical_not(self.charted), charted - self.local_declination, 0.0)
@@ -319,7 +328,8 @@ class Reference(Instrument):
     def new_gps(self):
         """Whether there is GPS attitude that was not used yet."""
         age = self.time - self.gps.time_of_validity
-        come = told(self.gps.valid, self.gps.roll, self.gps.pitch, self.gps.heading)
+        largest = np.max(np.abs(np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])))
+        come = told(self.gps.valid & (largest <= ANGLE_MOST), self.gps.roll, self.gps.pitch, self.gps.heading)
         in_time = (age >= -1.0e-6) & (age <= self.gps_timeout + 1.0e-6)
         return come & in_time & (self.gps.sequence != self.gps_seen)
 

@@ -457,6 +457,27 @@ def test_what_aids_is_taken_at_its_time_with_samples_that_are_rare(native, by):
     assert np.abs(left[3000:]).max() < 0.5
 
 
+@pytest.mark.parametrize("value", [np.nan, 1e6, 1e18])
+@pytest.mark.parametrize("name", ["imu.rate", "imu.specific_force", "air.true_airspeed", "gps.heading"])
+def test_one_sample_that_no_sensor_has_is_no_end(native, name, value):
+    """One that is valid, in level flight: a rate of 1e18 turns angles and biases to where they never come back from,
+    and a heading of 1e18 is beyond what an angle can be wrapped from."""
+    time = np.arange(0.0, 60.0, PERIOD)
+    level = motion(time, 60.0, 0.3 + 0.0 * time, 0.0)
+
+    def inputs(t):
+        k = round(t / PERIOD) + 1
+        values = {"imu.rate": level["rate"][:, k], "imu.specific_force": level["force"][:, k]}
+        values |= {"field.field_b": level["field"][:, k], "air.true_airspeed": 60.0, "gps.heading": 0.3}
+        for bundle in {"imu", "field", "air", name.split(".")[0]}:
+            values |= {f"{bundle}.valid": True, f"{bundle}.sequence": k, f"{bundle}.time_of_validity": k * PERIOD}
+        return values | ({name: value} if k == 300 else {})
+
+    got = native.run(59.0, PERIOD, NAMES, {"sample_period": PERIOD, "declination": DECLINATION}, inputs)
+    left = [np.degrees(wrap(got[f"attitude.{name}"][350:] - level[name][350:591])) for name in ANGLES]
+    assert np.abs(left).max() < 1.0
+
+
 def test_without_the_field_roll_and_pitch_are_still_aided_and_heading_drifts(native, flight):
     """The field stops after 30 s. Roll error after the last straight leg is small, heading has gone with the bias."""
     bias = np.radians([0.0, 0.0, 0.1])

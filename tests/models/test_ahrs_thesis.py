@@ -530,13 +530,15 @@ def test_what_aids_is_taken_at_its_time_with_samples_that_are_rare(natives, kind
 @pytest.mark.parametrize(
     "name", ["field.field_b", "imu.rate", "imu.specific_force", "gps.heading", "air.true_airspeed"]
 )
-def test_one_sample_that_is_no_number_is_no_end(natives, kind, gains, name):
-    """Valid, and NaN: a filter that lets it into its states shows no attitude for the rest of the flight."""
+@pytest.mark.parametrize("value", [np.nan, 1e18])
+def test_one_sample_that_no_sensor_has_is_no_end(natives, kind, gains, name, value):
+    """Valid, and no number or an absurd one: a filter that lets it into its states shows no attitude for the rest of
+    the flight, or one that is wrong."""
     parameters = {**LEVEL, "gains": gains, "compensated": True}
     gps = np.inf if name.startswith("gps") else -1.0
     _, left = fly(
         natives[kind], straight(120.0), parameters, gps=gps, field=True, speed=50.0, bias=np.zeros(3),
-        more=lambda k: {name: np.nan} if k == 1000 else {},
+        more=lambda k: {name: value} if k == 1000 else {},
     )  # fmt: skip
     assert np.abs(left[-500:]).max() < 1.0
 

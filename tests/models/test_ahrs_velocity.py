@@ -398,12 +398,14 @@ def test_gps_attitude_takes_an_attitude_that_is_wrong(native):
 
 
 @pytest.mark.parametrize("name", ["air.true_airspeed", "field.field_b", "imu.rate", "imu.specific_force"])
-def test_one_sample_that_is_no_number_is_no_end(native, name):
-    """Valid, and NaN: a filter that lets it into its states shows no attitude for the rest of the flight."""
+@pytest.mark.parametrize("value", [np.nan, 1e6, 1e18])
+def test_one_sample_that_no_sensor_has_is_no_end(native, name, value):
+    """Valid, and no number or an absurd one: a filter that lets it into its states shows no attitude for the rest of
+    the flight, or one that is wrong: of an airspeed of 1e6 m/s by half a turn, for minutes."""
     time = np.arange(0.0, 60.0 + 0.5 * STEP, STEP)
     turns = Rotation.from_euler("ZYX", np.column_stack([0.0 * time + 0.7, 0.0 * time, 0.0 * time]))
     _, left = fly(
-        native, turns, turns.apply([50.0, 0, 0]), airspeed=50.0, more=lambda k: {name: np.nan} if k == 1000 else {}
+        native, turns, turns.apply([50.0, 0, 0]), airspeed=50.0, more=lambda k: {name: value} if k == 1000 else {}
     )
     assert np.abs(left[-500:]).max() < 0.1
 

@@ -248,9 +248,11 @@ def test_what_cannot_be_found_is_not_valid_and_a_number(native, what, changed, p
     assert valid(native) and usual["attitude.heading"][1] == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.parametrize("value", [np.nan, 1e6, 1e18])
 @pytest.mark.parametrize("name", ["air.true_airspeed", "position.latitude", "field.field_b", "imu.rate"])
-def test_a_valid_sample_that_is_no_number_leaves_nothing_behind(native, name):
-    """The third of eight. A lag that takes it in has no attitude for the rest of the flight."""
+def test_a_valid_sample_that_no_sensor_has_leaves_nothing_behind(native, name, value):
+    """The third of eight. A lag that takes it in has no attitude for the rest of the flight, or one that is wrong: by
+    28 degrees after an airspeed of 1e18 m/s."""
 
     def inputs(time):
         k = round(time) + 1
@@ -258,11 +260,13 @@ def test_a_valid_sample_that_is_no_number_leaves_nothing_behind(native, name):
         for bundle in ("imu", "field", "air", "position"):
             values |= {f"{bundle}.sequence": k, f"{bundle}.time_of_validity": time, f"{bundle}.valid": True}
         values["position.valid"] = k <= 3
-        return values | ({name: np.nan} if k == 3 else {})
+        return values | ({name: value} if k == 3 else {})
 
     run = native.run(8.0, 1.0, RECORD, THESIS | {"chart_period": 1.0}, inputs)
     assert valid(native)
     assert np.isfinite([run[each] for each in RECORD]).all()
+    # level, but for the share that it has in the difference of the chart's dip there from that of the field
+    np.testing.assert_allclose([run["attitude.roll"][-1], run["attitude.pitch"][-1]], 0.0, atol=np.radians(2.0))
 
 
 @pytest.mark.parametrize("late", [1000.0, 1e4])
