@@ -259,6 +259,7 @@ class AhrsVelocity(Reference, Component):
             self.dip_sigma,
             self.hard_iron_sigma,
             flow_sigmas,
+            self.velocity_density / np.sqrt(over),
         )
 
         # time update

@@ -105,18 +105,20 @@ def rows(seen, *arguments):
     return value_and_jacobian(seen, np.zeros(STATES), *arguments)
 
 
-def initial_covariance(q, velocity, tilt, gyro, dip, iron, flow):
+def initial_covariance(q, velocity, tilt, gyro, dip, iron, flow, air):
     """Covariance, packed, when level and velocity have just been read from specific force and airspeed.
 
     Of heading nothing is known (1 rad), so the velocity, of which only its components in b are known, turns with it:
-    velocity error = turn x velocity - C_nb flow error.
+    velocity error = turn x velocity - C_nb flow error. The airspeed that it is read from has the noise ``air`` (m/s,
+    each component) beside, which the velocity keeps: without it the gyros' biases would have to explain it.
     """
     one, zero = 1.0 + 0.0 * tilt, 0.0 * tilt
     sigmas = [tilt, tilt, one, *[zero] * 6, gyro, gyro, gyro, iron, iron, iron, dip, iron, *flow]
     by_flow = np.concatenate([np.zeros((3, 3)), -quaternion.dcm(q), np.zeros((14, 3))])
     by_turn = np.concatenate([np.eye(3), -attitude.skew(velocity), np.zeros((14, 3))])
     mixing = np.concatenate([by_turn, np.eye(STATES)[:, 3:17], by_flow + np.eye(STATES)[:, FLOW]], axis=1)
-    return kalman.pack((mixing * np.stack(sigmas) ** 2) @ mixing.T)
+    read = np.concatenate([np.zeros(3), air**2 * np.ones(3), np.zeros(14)])
+    return kalman.pack((mixing * np.stack(sigmas) ** 2) @ mixing.T) + kalman.of_variances(read)
 
 
 def process_noise(angle_density, scale, turned, velocity_walk, bias_density, iron_walk, dip_walk, flow_variance, time):

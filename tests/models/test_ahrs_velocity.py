@@ -136,7 +136,7 @@ def test_the_first_covariance_leaves_the_airspeed_to_say_nothing_of_heading():
     q = quaternion.of_euler(0.1, 0.05, 1.0)
     velocity = quaternion.dcm(q) @ np.array([50.0, 0.0, 0.0])
     upper = ahrs_velocity.initial_covariance(
-        q, velocity, np.float64(0.05), np.float64(0.01), 0.1, 0.02, np.array([2.0, 1.0, 1.0])
+        q, velocity, np.float64(0.05), np.float64(0.01), 0.1, 0.02, np.array([2.0, 1.0, 1.0]), 0.0
     )
     before = kalman.diagonal(upper)
     np.testing.assert_allclose(before[:3], [0.0025, 0.0025, 1.0])
@@ -432,10 +432,11 @@ MODELLED = {
 """What the filter is told, and what :func:`drawn` does."""
 
 
-def drawn(native, seed):
-    """Turn that is left (rad) and its covariance at the end of a flight of random turns that errs as modelled."""
-    rng, count = np.random.default_rng(seed), round(LONG / STEP) + 1
-    told = MODELLED
+def drawn(native, seed, seconds=LONG, **changed):
+    """What is left of the turn (rad) and of the gyro biases (rad/s), and their covariances, at the end of a flight of
+    random turns that errs as modelled."""
+    rng, count = np.random.default_rng(seed), round(seconds / STEP) + 1
+    told = MODELLED | changed
     time = np.arange(count) * STEP
     turning = np.repeat(rng.uniform(-0.05, 0.05, count // 1000 + 1), 1000)[:count]
     smooth = np.convolve(turning, np.ones(100) / 100.0, "same")
@@ -470,7 +471,8 @@ def drawn(native, seed):
     got, left = fly(
         native, turns, air + wind, {**told, **still}, airspeed=50.0, more=more, wrong=rates
     )  # fmt: skip
-    return np.radians(left[-1]), kalman.unpack(got["covariance"][-1])[:3, :3]
+    covariance = kalman.unpack(got["covariance"][-1])
+    return (np.radians(left[-1]), covariance[:3, :3]), (null_shift - got["gyro_bias"][-1], covariance[9:12, 9:12])
 
 
 def test_errors_are_as_large_as_they_are_said_to_be(native):
@@ -478,7 +480,32 @@ def test_errors_are_as_large_as_they_are_said_to_be(native):
 
     Sigmas of twice the size have a quarter of that, a filter that takes the wind for a third of what it is 4.5 times.
     """
-    flights = (drawn(native, seed) for seed in range(SEEDS))
+    flights = (drawn(native, seed)[0] for seed in range(SEEDS))
     squares = [left @ np.linalg.solve(covariance, left) for left, covariance in flights]
     low, high = stats.chi2.ppf([0.0005, 0.9995], 3 * SEEDS)
     assert low < np.sum(squares) < high
+
+
+def test_gyro_biases_are_as_uncertain_as_they_are_said_to_be_from_the_start(native):
+    """Of 48 flights of 30 s, chi-square of 144, 99.9 % of it. A filter that takes the velocity of its alignment for as
+    good as the airspeed without its noise lets the biases explain that noise.
+
+    The first level is that of the mean force in the first half second, in which a flow of 0.2 m/s that lasts for 5 s
+    changes by 0.09 m/s, 0.018 rad, and the wind by 0.035 m/s, 0.007 rad: as ``initial_sigma`` has it."""
+    calm = {"flow_sigma": 0.2, "velocity_walk": 0.05, "velocity_density": 0.3, "initial_sigma": 0.02}
+    flights = (drawn(native, seed, 30.0, **calm)[1] for seed in range(2 * SEEDS))
+    squares = [left @ np.linalg.solve(covariance, left) for left, covariance in flights]
+    low, high = stats.chi2.ppf([0.0005, 0.9995], 6 * SEEDS)
+    assert low < np.sum(squares) < high, np.sum(squares)
+
+
+def test_the_first_velocity_errs_as_the_airspeed_it_was_read_from():
+    """So the second airspeed differs from it by the noise of both: with sigma 2 the innovation has 4, and 4 of its own.
+    What flow, tilt and heading add cancels."""
+    q = quaternion.of_euler(0.1, 0.05, 1.0)
+    velocity = quaternion.dcm(q) @ np.array([50.0, 0.0, 0.0])
+    upper = ahrs_velocity.initial_covariance(
+        q, velocity, np.float64(0.05), np.float64(0.01), 0.1, 0.02, np.array([2.0, 1.0, 1.0]), 2.0
+    )
+    matrix = ahrs_velocity.rows(ahrs_velocity.flow_seen, q, velocity, np.zeros(3))[1]
+    np.testing.assert_allclose(matrix @ kalman.unpack(upper) @ matrix.T, 4.0 * np.eye(3), atol=1e-9)
