@@ -52,7 +52,8 @@ def _colours() -> dict[str, Any]:
 
 
 def _scale(drawing: Any, axis: Any, found: Any) -> None:
-    drawing.colorbar(found, ax=axis, shrink=0.85, ticks=range(6)).ax.set_yticklabels([*"01234", "5 and more"])
+    scale = drawing.colorbar(found, ax=axis, shrink=0.85, label="stations", ticks=range(6))
+    scale.ax.set_yticklabels([*"01234", "5 and more"])
 
 
 def dilutions(drawing: Any, axis: Any, sides: np.ndarray, hdop: np.ndarray) -> None:
@@ -61,7 +62,7 @@ def dilutions(drawing: Any, axis: Any, sides: np.ndarray, hdop: np.ndarray) -> N
     shown = np.where(np.isfinite(hdop), hdop, np.nan)
     found = axis.pcolormesh(sides, sides, shown, cmap="viridis_r", norm=levels, rasterized=True)
     axis.grid(False)
-    drawing.colorbar(found, ax=axis, shrink=0.85)
+    drawing.colorbar(found, ax=axis, shrink=0.85, label="HDOP")
 
 
 def _mark(axis: Any, coverage: Coverage, side: float) -> None:

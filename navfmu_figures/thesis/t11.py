@@ -209,6 +209,6 @@ def picture(flights: np.ndarray, climbs: Climbs) -> bytes:
             all_of_them.plot(largest, np.arange(1, len(largest) + 1), "o-", ms=4, color=colour,
                                  label=f"{case}: {climbs.lost(case):.0f} % lost")  # fmt: skip
         all_of_them.set(xlabel="largest error of a climb, deg", ylabel="climbs with less")
-        all_of_them.legend()
+        all_of_them.legend(fontsize=8, loc="lower right")
         title(drawing, all_of_them, f"{len(largest)} climbs")
         return png(drawing)

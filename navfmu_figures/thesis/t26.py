@@ -83,5 +83,11 @@ def picture(sides: np.ndarray, three: np.ndarray, two: np.ndarray) -> bytes:
         for axis, hdop, text in zip(axes, (three, two), ("Three stations", "Two stations"), strict=True):
             dilutions(drawing, axis, sides, hdop)
             axis.set(aspect="equal", xlabel="nmi to the east", ylabel="nmi to the north")
-            title(drawing, axis, f"{text}: {np.min(hdop):.2f} to {min(np.max(hdop), 99.0):.2f}")
+            title(drawing, axis, f"{text}: HDOP {_span(hdop)}")
         return png(drawing)
+
+
+def _span(hdop: np.ndarray) -> str:
+    """From the smallest on; what is beyond any use has no number."""
+    largest = float(np.max(hdop))
+    return f"{np.min(hdop):.2f} to {largest:.2f}" if largest < LARGEST else f"{np.min(hdop):.2f} and more"
