@@ -171,17 +171,7 @@ class Ahrs(Reference, Component):
         self.rate = rate
         self.force = force
         self.imu_time = self.imu.time_of_validity
-        self.attitude.publish(
-            roll=self.angles[0],
-            pitch=self.angles[1],
-            heading=self.angles[2],
-            yaw_rate=euler_rates[2],
-            roll_sigma=self.sigmas[0],
-            pitch_sigma=self.sigmas[1],
-            heading_sigma=self.sigmas[2],
-            valid=self.aligned & self.imu.valid & known,
-            time_of_validity=self.imu.time_of_validity,
-        )
+        self.tell(self.angles, euler_rates[2], known)
 
     @every("chart_period")
     def look_up(self):

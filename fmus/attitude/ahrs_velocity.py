@@ -201,17 +201,8 @@ class AhrsVelocity(Reference, Component):
         self.force = force
         self.imu_time = self.imu.time_of_validity
         roll, pitch, heading = attitude.euler(quaternion.dcm(self.turn))
-        self.attitude.publish(
-            roll=roll,
-            pitch=pitch,
-            heading=attitude.wrap(heading),
-            yaw_rate=(rate[1] * np.sin(roll) + rate[2] * np.cos(roll)) / np.maximum(np.cos(pitch), 1.0e-6),
-            roll_sigma=self.sigmas[0],
-            pitch_sigma=self.sigmas[1],
-            heading_sigma=self.sigmas[2],
-            valid=self.aligned & self.imu.valid & known,
-            time_of_validity=self.imu.time_of_validity,
-        )
+        yaw_rate = (rate[1] * np.sin(roll) + rate[2] * np.cos(roll)) / np.maximum(np.cos(pitch), 1.0e-6)
+        self.tell((roll, pitch, attitude.wrap(heading)), yaw_rate, known)
 
     @every("chart_period")
     def look_up(self):

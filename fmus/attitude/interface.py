@@ -302,6 +302,20 @@ class Reference(Instrument):
     gps_time = State("s", start=-1.0e9, description="when it was used")
     aligned = State(kind="boolean", description="initial alignment has been done")
 
+    def tell(self, angles, yaw_rate, known):
+        """Publish roll, pitch and heading, rad, and the yaw rate, rad/s, of the last inertial sample."""
+        self.attitude.publish(
+            roll=angles[0],
+            pitch=angles[1],
+            heading=angles[2],
+            yaw_rate=yaw_rate,
+            roll_sigma=self.sigmas[0],
+            pitch_sigma=self.sigmas[1],
+            heading_sigma=self.sigmas[2],
+            valid=self.aligned & self.imu.valid & known,
+            time_of_validity=self.imu.time_of_validity,
+        )
+
     @on_new("air")
     def take_air(self):
         self.airspeed_seen = np.where(self.air_told(), self.air.true_airspeed, self.airspeed_seen)

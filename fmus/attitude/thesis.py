@@ -186,17 +186,8 @@ class Thesis(Reference):
         self.rate = rate
         self.force = force
         self.imu_time = self.imu.time_of_validity
-        self.attitude.publish(
-            roll=roll,
-            pitch=pitch,
-            heading=heading,
-            yaw_rate=(rate[1] * np.sin(roll) + rate[2] * np.cos(roll)) / np.maximum(np.cos(pitch), 1.0e-6),
-            roll_sigma=self.sigmas[0],
-            pitch_sigma=self.sigmas[1],
-            heading_sigma=self.sigmas[2],
-            valid=self.aligned & self.imu.valid & known,
-            time_of_validity=self.imu.time_of_validity,
-        )
+        yaw_rate = (rate[1] * np.sin(roll) + rate[2] * np.cos(roll)) / np.maximum(np.cos(pitch), 1.0e-6)
+        self.tell((roll, pitch, heading), yaw_rate, known)
 
     @every("aiding_period")
     def aid(self):
