@@ -335,9 +335,10 @@ class Reference(Instrument):
         return self.air_told() & (self.time - self.air.time_of_validity <= self.air_timeout + 1.0e-6)
 
     def new_field(self):
-        """Whether there is a field that was not used yet."""
+        """Whether there is a field that was not used yet, and no gap lies between it and the attitude."""
         due = self.field.time_of_validity <= self.time + 1.0e-6
-        return self.field_told() & (self.field.sequence != self.field_seen) & due
+        near = self.before(self.field) <= self.gap_limit + 1.0e-6
+        return self.field_told() & (self.field.sequence != self.field_seen) & due & near
 
     def new_gps(self):
         """Whether there is GPS attitude that was not used yet."""

@@ -88,3 +88,35 @@ def test_a_simulation_may_begin_before_0(component, tmp_path):
         return fmu.getReal([native.fields["attitude.heading"].index])[0]
 
     assert flown(-100.0) == pytest.approx(flown(0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("component", "parameters"),
+    [(Ahrs, {}), (AhrsVelocity, {}), (AhrsEuler, {"compensated": True}), (AhrsQuaternion, {"compensated": True})],
+)
+def test_a_field_from_before_the_gap_aligns_nothing(tmp_path, component, parameters):
+    """Inertial unit and magnetometer are silent while the aircraft turns by 130 degrees, and the last field, from the
+    begin of it, was not used yet when the first of them is back. Aligned by that, heading is off by 130 degrees with a
+    sigma of 4, and fields that come later on are taken for hard iron."""
+    time = np.arange(round(130.0 / STEP) + 2) * STEP
+    heading = np.radians(30.0 + np.interp(time, [FROM + 5.0, TO - 5.0], [0.0, TURNED]))
+    turns = Rotation.from_euler("ZYX", np.column_stack([heading, 0.02 + 0.0 * time, 0.0 * time]))
+    silent, last, back = round(FROM / STEP), round(FROM / STEP) + 4, TO + 1.2
+
+    def lacking(k):
+        values = {}
+        if FROM < k * STEP < TO:
+            values |= {"imu.sequence": silent, "imu.time_of_validity": FROM}
+        if last < k < back / STEP:
+            values |= {"field.sequence": last, "field.time_of_validity": last * STEP}
+            values |= {"field.field_b": turns[last].inv().apply(FIELD_N)}
+        return values
+
+    native = Native(component, tmp_path)
+    got, left = fly(
+        native, turns, {**PLAIN, **parameters}, gps=-1.0, field=True, speed=60.0, bias=0.0, gyro=0.0, more=lacking,
+        names=ANGLES,
+    )  # fmt: skip
+    assert np.abs(left[silent - 100 : silent]).max() < 1.0
+    assert np.abs(left[got["time"] > back + 1.0]).max() < 1.0
+    assert native.fmu.getBoolean([native.fields["attitude.valid"].index])[0]
