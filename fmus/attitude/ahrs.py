@@ -262,7 +262,7 @@ class Ahrs(Reference, Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        new_gps = self.new_gps()
+        new_gps = felt & self.new_gps()
         then = angles - turning_rates * self.before(self.gps)
         correction, covariance = ahrs.angle_updates(
             correction, covariance, attitude.wrap(told - then), self.gps_sigma**2, new_gps

@@ -329,7 +329,7 @@ class AhrsVelocity(Reference, Component):
 
         # measurement update: GPS attitude
         told = np.stack([self.gps.roll, self.gps.pitch, self.gps.heading])
-        new_gps = self.new_gps()
+        new_gps = felt & self.new_gps()
         age = self.before(self.gps)
         told = quaternion.of_euler(*np.where(new_gps, told, 0.0))
         then = quaternion.product(turn, quaternion.of_rotation(-rate * np.where(new_gps, age, 0.0)))

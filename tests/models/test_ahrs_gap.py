@@ -120,3 +120,25 @@ def test_a_field_from_before_the_gap_aligns_nothing(tmp_path, component, paramet
     assert np.abs(left[silent - 100 : silent]).max() < 1.0
     assert np.abs(left[got["time"] > back + 1.0]).max() < 1.0
     assert native.fmu.getBoolean([native.fields["attitude.valid"].index])[0]
+
+
+@pytest.mark.parametrize(
+    ("component", "parameters"),
+    [(Ahrs, {}), (AhrsVelocity, {}), (AhrsEuler, {"compensated": True}), (AhrsQuaternion, {"compensated": True})],
+)
+def test_gps_attitude_in_a_gap_that_is_bridged_turns_it_once(tmp_path, component, parameters):
+    """4 s of a turn of 6 deg/s, with GPS attitude up to the last second of them. Taken in the gap it has the turn until
+    then, and the rates over the whole gap are added to that: up to 23 degrees in ahrs, 8 in ahrs_velocity."""
+    time = np.arange(round(70.0 / STEP) + 2) * STEP
+    rate = np.radians(6.0)
+    roll = np.arctan(60.0 * rate / 9.80665)
+    turns = Rotation.from_euler("ZYX", np.column_stack([rate * time, 0.0 * time, roll + 0.0 * time]))
+
+    def lacking(k):
+        return {"imu.sequence": 1200, "imu.time_of_validity": FROM} if FROM < k * STEP < FROM + 4.0 else {}
+
+    got, left = fly(
+        Native(component, tmp_path), turns, {**PLAIN, **parameters}, gps=FROM + 3.9, field=True, speed=60.0, bias=0.0,
+        gyro=0.0, more=lacking, names=ANGLES,
+    )  # fmt: skip
+    assert np.abs(left[got["time"] > FROM + 4.0]).max() < 1.0
