@@ -247,8 +247,8 @@ class Ahrs(Reference, Component):
 
         # measurement update: field
         turning_rates = attitude.euler_rates(rate, angles[0], angles[1])
-        then = angles[2] - turning_rates[2] * self.before(self.field)
-        expected, rows = ahrs.field_rows(angles[0], angles[1], then, dip, self.local_declination, self.hard_iron)
+        then = angles - turning_rates * self.before(self.field)
+        expected, rows = ahrs.field_rows(*then, dip, self.local_declination, self.hard_iron)
         correction, covariance, misfit = ahrs.field_updates(
             correction,
             covariance,
