@@ -24,6 +24,8 @@ from navfmu.errors import NavfmuError
 
 LIMIT = np.radians(2.5)
 """Standard deviation of the corrected heading that a swing may leave at any heading."""
+ROUNDS = 10
+"""In which headings are corrected: a thousandth of a degree where hard iron is half of the horizontal field."""
 LETTERS = "ABCDE"
 
 
@@ -36,9 +38,9 @@ class Swing:
     left: np.ndarray
 
     def corrected(self, needle: np.ndarray) -> np.ndarray:
-        """Headings, rad, of those of the needle: (3.52) solved for psi, in two rounds."""
+        """Headings, rad, of those of the needle: (3.52) solved for psi."""
         heading = needle
-        for _ in range(2):
+        for _ in range(ROUNDS):
             heading = needle - design(heading) @ self.coefficients
         return wrap(heading)
 
