@@ -34,7 +34,7 @@ ANGLES = ("roll", "pitch", "heading")
 DATE = 2026.0
 USUAL_LIFT, DENSITY = 0.5, 1.1
 """Lift coefficient at a flight's usual speed, from which its wing loading is guessed, and density of air, kg/m3."""
-NORTH_EAST = "navigator.covariance[2]"
+NORTH_EAST = "navigator.position_covariance[2]"
 """Covariance of north and east position: the second element of the first row."""
 SIGNALS = [
     NORTH_EAST,

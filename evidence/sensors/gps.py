@@ -23,7 +23,7 @@ SEEDS = range(1, 21)
 LOST = 300
 """Second at which GPS is lost until the end (faults/gps_lost.toml)."""
 SETTLED = 60
-NORTH_EAST = "navigator.covariance[2]"
+NORTH_EAST = "navigator.position_covariance[2]"
 SIGNALS = (
     NORTH_EAST,
     *(f"evaluation.{name}" for name in ("north_error", "east_error")),

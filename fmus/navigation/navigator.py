@@ -5,20 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fmus import examples
-from fmus.grades import AIR_DATA
-from fmus.radio import stations
-from models.air import turbulence
+from fmus.navigation.interface import PLACES, Reckoning
 from models.filters import kalman
 from models.navigation import navigator
-from models.processes import gauss_markov
-from models.processes.known import known, told
+from models.processes.known import known
 from models.radio import dme
-from models.satellite import gps
-from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, State, every, on_new
+from navfmu.export import Component, Example, Output, Parameter, State, every, on_new
 
-PLACES = stations.PLACES
 STATES = 2 + navigator.VELOCITIES + PLACES
-LONG_AGO = -1.0e9
 FOREVER = 1.0e12
 """Correlation time of what is constant, s."""
 SLOW = 1.0
@@ -27,7 +21,7 @@ BEGUN_ANEW = 1.0e4
 """Variance of a position that is not believed at all, in squares of what it is wrong by."""
 
 
-class Navigator(stations.StationTable, Component):
+class Navigator(Reckoning, Component):
     """Backup navigator: dead reckoning with airspeed, heading and wind, aided by GPS while there is GPS, then by DME.
 
     Thesis section 2.3 (calibrating and coasting phase) and 6.4 (full-order filter). Position is propagated by
@@ -97,58 +91,6 @@ class Navigator(stations.StationTable, Component):
         panels=examples.navigator_panels,
     )
 
-    attitude = Bundle(
-        heading=Input("rad", display_unit="deg", description="true heading"),
-        yaw_rate=Input("rad/s", display_unit="deg/s", description="rate of heading"),
-        heading_sigma=Input(
-            "rad",
-            start=np.radians(2.5),
-            min=0.0,
-            display_unit="deg",
-            description="standard deviation of heading by its reference (thesis (3.84), p. 101: 2.5 deg)",
-        ),
-        description="attitude",
-    )
-    air = Bundle(
-        true_airspeed=Input("m/s", display_unit="kn", description="true airspeed"),
-        true_airspeed_sigma=Input(
-            "m/s",
-            start=AIR_DATA["airspeed_error_sigma"],
-            min=0.0,
-            display_unit="kn",
-            description="standard deviation of true airspeed by its instrument (thesis (3.32), p. 64, has 2.6 m/s of "
-            "the indicated one)",
-        ),
-        pressure_altitude=Input("m", display_unit="ft", description="pressure altitude"),
-        description="air data",
-    )
-    fix = Bundle(
-        latitude=Input("rad", display_unit="deg", description="geodetic latitude of the fix"),
-        longitude=Input("rad", display_unit="deg", description="longitude of the fix"),
-        altitude=Input("m", display_unit="ft", description="height of the fix above the ellipsoid"),
-        velocity_n=Input(3, "m/s", display_unit="kn", description="velocity over ground: north, east, down"),
-        description="GPS fix",
-    )
-    ranging = Bundle(
-        slant_range=Input(PLACES, "m", display_unit="nmi", description="measured distance to each station"),
-        measured=Input(PLACES, kind="boolean", description="which ranges were measured"),
-        description="DME ranges",
-    )
-
-    dme_aiding = Parameter(kind="boolean", start=True, description="whether DME ranges are used; false: open loop")
-    update_period = Parameter("s", start=0.1, min=0.001, max=1.0, description="period of dead reckoning")
-    fix_timeout = Parameter(
-        "s", start=3.0, min=0.0, max=3600.0, description="age of the last good fix from which GPS counts as lost"
-    )
-    wind_mean = Parameter(
-        2,
-        "m/s",
-        start=0.0,
-        min=-100.0,
-        max=100.0,
-        display_unit="kn",
-        description="forecast of the mean wind, north and east",
-    )
     wind_mean_sigma = Parameter(
         "m/s",
         start=8.0,
@@ -156,77 +98,6 @@ class Navigator(stations.StationTable, Component):
         max=100.0,
         display_unit="kn",
         description="standard deviation of the mean wind about this forecast, on each axis; 0: it is known",
-    )
-    wind_sigma = Parameter(
-        "m/s",
-        start=5.0,
-        min=0.0,
-        display_unit="kn",
-        description="standard deviation of the wind about its mean (thesis (3.36), p. 69)",
-    )
-    wind_time = Parameter("s", start=400.0, min=1.0, description="correlation time of the wind (thesis (3.36))")
-    heading_time = Parameter(
-        "s", start=120.0, min=1.0, description="correlation time of the heading error (thesis (3.85))"
-    )
-    airspeed_time = Parameter(
-        "s", start=400.0, min=1.0, description="correlation time of the airspeed error (thesis (3.32))"
-    )
-    gust_sigma = Parameter(
-        "m/s",
-        start=turbulence.GUST_SIGMA,
-        min=0.0,
-        display_unit="kn",
-        description="intensity of the gusts on each axis: 5 ft/s; light turbulence of MIL-F-8785C has 7 ft/s",
-    )
-    gust_length = Parameter(
-        "m",
-        start=turbulence.GUST_LENGTH,
-        min=1.0,
-        display_unit="ft",
-        description="scale of the gusts, MIL-F-8785C: 1750 ft",
-    )
-    fix_sigma = Parameter(
-        "m",
-        start=gps.HORIZONTAL_SIGMA,
-        min=1.0e-3,
-        description="standard deviation of north and of east of a fix (thesis section 3.10)",
-    )
-    velocity_sigma = Parameter(
-        "m/s", start=gps.VELOCITY_SIGMA, min=1.0e-3, description="standard deviation of GPS velocity, each component"
-    )
-    bias_sigma = Parameter(
-        "m",
-        start=dme.BIAS_SIGMA,
-        min=0.0,
-        display_unit="nmi",
-        description="standard deviation of the bias of DME ranges: 0.17 nmi (thesis (3.38), p. 72)",
-    )
-    correlation_distance = Parameter(
-        "m",
-        start=dme.CORRELATION_DISTANCE,
-        min=1.0,
-        display_unit="nmi",
-        description="distance over which that bias is correlated: 0.5 nmi (thesis (3.38))",
-    )
-    noise_sigma = Parameter(
-        "m",
-        start=dme.NOISE_SIGMA,
-        min=1.0e-3,
-        display_unit="nmi",
-        description="standard deviation of the wide-band noise of DME ranges: 0.004 nmi (thesis (3.38), (6.40))",
-    )
-    innovation_gate = Parameter(
-        "1",
-        start=4.0,
-        min=0.0,
-        description="ranges with a larger innovation, in standard deviations, are rejected; 0: none (own choice)",
-    )
-    geometry_window = Parameter(
-        "s",
-        start=90.0,
-        min=0.0,
-        description="stations whose ranges were used within this time count in `hdop` "
-        "(own choice: five stations in turn, one every 15 s)",
     )
     prior = Parameter(
         "1",
@@ -242,54 +113,17 @@ class Navigator(stations.StationTable, Component):
         min=0.0,
         description="standard deviations of its own model beyond which an estimate contradicts it (own choice)",
     )
-    dilution_limit = Parameter(
-        "1",
-        start=2.83,
-        min=1.0,
-        description="dilution up to which stations fix a position: lines of sight that cross at 30 to 150 degrees "
-        "(AC 90-100A)",
-    )
-    blind_time = Parameter(
-        "s",
-        start=60.0,
-        min=1.0,
-        description="time in which the aircraft may turn away while heading or airspeed are missing (own choice)",
-    )
-    climb_time = Parameter(
-        "s", start=10.0, min=0.01, description="time constant of the vertical speed filter (own choice)"
-    )
-    altitude_gain = Parameter(
-        "1",
-        start=0.05,
-        min=0.0,
-        max=1.0,
-        description="part of the altitude error corrected by each GPS fix (own choice)",
-    )
 
-    solution = Bundle(
-        latitude=Output("rad", display_unit="deg", description="estimated geodetic latitude"),
-        longitude=Output("rad", display_unit="deg", description="estimated longitude"),
-        altitude=Output("m", display_unit="ft", description="estimated height above the ellipsoid"),
-        velocity_n=Output(3, "m/s", display_unit="kn", description="estimated velocity over ground: north, east, down"),
-        wind_n=Output(2, "m/s", display_unit="kn", description="estimated wind: north, east"),
-        description="navigation solution",
-    )
-    north_sigma = Output("m", description="standard deviation of north position by the filter's covariance")
-    east_sigma = Output("m", description="standard deviation of east position by the filter's covariance")
-    mode = Output(kind="integer", min=0, max=2, description="0 initialising, 1 calibrating (GPS), 2 coasting (no GPS)")
-    hdop = Output(
-        "1", start=99.0, description="dilution of precision of the ranges used lately; 99: lines do not cross"
+    state_sigma = Output(
+        STATES,
+        "1",
+        description="standard deviations of the filter's states: position (m), wind and its mean (m/s), north and "
+        "east each; air velocity along and across the nose (m/s); bias of each station's ranges (m)",
     )
     doubted = Output(kind="boolean", description="ranges have contradicted heading or airspeed since GPS was lost")
-    rejected = Output(kind="integer", min=0, description="number of ranges that the innovation gate rejected")
-    used = Output(kind="integer", min=0, description="number of ranges that corrected the solution")
 
     latitude = State(2, "rad", display_unit="deg", description="geodetic latitude by either filter")
     longitude = State(2, "rad", display_unit="deg", description="longitude by either filter")
-    altitude = State("m", display_unit="ft", description="height above the ellipsoid")
-    altitude_offset = State("m", description="altitude minus pressure altitude, learned from GPS")
-    pressure_altitude = State("m", description="last pressure altitude")
-    climb = State("m/s", description="filtered vertical speed, positive up")
     wind = State((2, 2), "m/s", description="wind of either filter: north, east")
     mean_wind = State((2, 2), "m/s", description="its mean over the flight")
     air_error = State((2, 2), "m/s", description="to be added to the measured air velocity: along the nose, across")
@@ -297,35 +131,17 @@ class Navigator(stations.StationTable, Component):
     modelled = State(
         (2, STATES - 2), "1", description="standard deviations of wind, its mean, air_error and range_bias"
     )
-    airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
-    nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
     air_velocity = State((2, 2), "m/s", description="velocity relative to the air: north, east; corrected")
     covariances = State(
         (2, STATES * (STATES + 1) // 2),
         "1",
         description="of either filter the upper triangle of the covariance of (6.24), row by row; m and m/s",
     )
-    covariance = State(3, "m2", description="covariance of position: north, north with east, east")
-    had_air = State(kind="boolean", description="air data and heading have been seen")
-    initialised = State(kind="boolean", description="the first fix has been seen")
-    fix_time = State("s", start=LONG_AGO, description="time of the last good fix")
-    last_speed = State("m/s", display_unit="kn", description="ground speed by the last good fix")
-    fix_good = State(kind="boolean", description="the last report of the receiver was a good fix")
-    range_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last used")
-    refused_time = State(PLACES, "s", start=LONG_AGO, description="when each station's range was last refused")
     log_odds = State("1", description="logarithm of the odds that air data and heading are not to be believed")
-    innovation = State(
+    misfit = State(
         (2, PLACES), "m", description="each station's last range less what the solution now says, taken or not"
     )
     astray = State(PLACES, kind="boolean", description="stations whose range jumped further than the aircraft can")
-
-    def attitude_told(self):
-        """Whether there is a heading, and what it is worth."""
-        return told(self.attitude.valid, self.attitude.heading, self.attitude.yaw_rate, self.attitude.heading_sigma)
-
-    def air_told(self):
-        """Whether there is an airspeed, and what it is worth."""
-        return told(self.air.valid, self.air.true_airspeed, self.air.true_airspeed_sigma)
 
     def error_model(self, speed, seen):
         """Sigma (m/s and m) and correlation time of each Gauss-Markov state at the ground speed ``speed`` of each
@@ -363,6 +179,11 @@ class Navigator(stations.StationTable, Component):
         air = np.where(seen, np.where(np.array([[0.0, 1.0], [0.0, 0.0]]) > 0.5, faster, grown), 1.0)
         return np.concatenate([np.ones((2, 4)), air, np.ones((2, PLACES))], -1)
 
+    def estimates(self):
+        """Of the Gauss-Markov states by either filter, and of the mean wind less its forecast, shape (2, states)."""
+        winds = self.wind - self.mean_wind, self.mean_wind - self.wind_mean
+        return np.concatenate([*winds, self.air_error, self.range_bias], -1)
+
     def least_odds(self):
         """Logarithm of the odds before any range tells."""
         return np.log(np.maximum(self.prior, 1.0e-300))
@@ -370,15 +191,6 @@ class Navigator(stations.StationTable, Component):
     def doubt(self):
         """Probability that air data and heading are not to be believed."""
         return np.where(self.doubted, 1.0, 1.0 / (1.0 + np.exp(-self.log_odds)))
-
-    def top_speed(self):
-        """The faster of ground speed by the last fix and airspeed, m/s: GPS may have been lost before take-off."""
-        return np.maximum(self.last_speed, self.airspeed)
-
-    def gusts(self, since):
-        """Variance of independent gusts every ``since`` s that do the same to position as those that last, (m/s)^2."""
-        time = self.gust_length / np.maximum(self.last_speed, 1.0)
-        return gauss_markov.white_equivalent(self.gust_sigma**2, since, time)
 
     @every("update_period")
     def dead_reckon(self):
@@ -392,8 +204,7 @@ class Navigator(stations.StationTable, Component):
         air_error = factor[:, 4:6] * self.air_error
         wind = self.mean_wind + factor[:, :2] * (self.wind - self.mean_wind)
 
-        age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
-        heading = np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
+        heading = self.nose_now(seen)
         rows = navigator.velocity_rows(heading)
         now = navigator.air_velocity(airspeed, heading) + air_error @ rows[:, 4:].T
         over_ground = 0.5 * (np.where(self.had_air, before, now + self.wind) + now + wind)
@@ -411,20 +222,13 @@ class Navigator(stations.StationTable, Component):
         self.nose = heading
         self.airspeed = airspeed
 
-        pressure_altitude = np.where(
-            told(self.air.valid, self.air.pressure_altitude), self.air.pressure_altitude, self.pressure_altitude
-        )
-        rise = np.where(self.had_air, pressure_altitude - self.pressure_altitude, 0.0)
-        self.climb = self.climb + (rise - self.climb * step) / np.maximum(self.climb_time, step)
-        self.pressure_altitude = pressure_altitude
-        self.altitude = pressure_altitude + self.altitude_offset
+        self.climb_on(step)
         self.air_velocity = now
         self.had_air = np.logical_or(self.had_air, seen)
 
     @on_new("fix")
     def take_fix(self):
-        fix = self.fix
-        good = told(fix.valid, fix.latitude, fix.longitude, fix.altitude, fix.velocity_n)
+        good = self.fix_told()
         first = np.logical_and(good, np.logical_not(self.initialised))
         start = np.concatenate([self.fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
         latitude = np.where(first, self.fix.latitude, self.latitude)
@@ -455,15 +259,8 @@ class Navigator(stations.StationTable, Component):
         self.latitude, self.longitude = latitude, longitude
         self.correct(correction)
 
-        error = self.fix.altitude - self.pressure_altitude - self.altitude_offset
-        gain = np.where(first, 1.0, self.altitude_gain)
-        self.altitude_offset = self.altitude_offset + np.where(good, gain * error, 0.0)
-        self.altitude = self.pressure_altitude + self.altitude_offset
-        self.fix_time = np.where(good, self.fix.time_of_validity, self.fix_time)
-        self.fix_good = good
-        ground_speed = np.sqrt(np.sum(self.fix.velocity_n[:2] * self.fix.velocity_n[:2]))
-        self.last_speed = np.where(good, ground_speed, self.last_speed)
-        self.initialised = np.logical_or(self.initialised, good)
+        self.learn_altitude(good, first)
+        self.note_fix(good)
         self.doubted = np.logical_and(self.doubted, np.logical_not(good))
         self.log_odds = np.where(good, self.least_odds(), self.log_odds)
         self.astray = np.logical_and(self.astray, np.logical_not(good))
@@ -478,12 +275,6 @@ class Navigator(stations.StationTable, Component):
         self.air_error = self.air_error + correction[:, 6:8]
         self.air_velocity = self.air_velocity + correction[:, 6:8] @ navigator.velocity_rows(self.nose)[:, 4:].T
         self.range_bias = self.range_bias + correction[:, 8:]
-
-    def calibrating(self):
-        """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
-        `valid`)."""
-        fresh = self.time - self.fix_time <= self.fix_timeout + 1.0e-6
-        return self.fix_good & self.fix.valid & fresh
 
     def sights(self, latitude, longitude):
         """Direction cosines north and east of the lines of sight and their lengths (m), each of shape (2, stations)."""
@@ -508,9 +299,8 @@ class Navigator(stations.StationTable, Component):
             self.latitude, self.longitude, self.altitude, velocity.T, moment - self.time
         )
         north, east, distance = self.sights(latitude, longitude)
-        wanted = self.initialised & self.dme_aiding & self.ranging.valid & np.logical_not(self.calibrating())
-        there = np.isfinite(self.ranging.slant_range) & (np.arange(PLACES) < self.station_count)
-        measured = self.ranging.measured & there & wanted
+        wanted = self.wants_ranges()
+        measured = self.ranges_there() & wanted
         innovation = np.where(measured, self.ranging.slant_range - distance - self.range_bias, 0.0)
         doubted = self.doubted
 
@@ -523,9 +313,10 @@ class Navigator(stations.StationTable, Component):
         speed = self.top_speed()
         news = navigator.news(since, self.correlation_distance / np.maximum(speed, 1.0))
         reach = self.innovation_gate * np.sqrt(2.0) * self.bias_sigma + speed * since
-        jumped = measured & (heard > self.fix_time) & (leading(np.abs(innovation - self.innovation)) > reach)
+        jumped = measured & (heard > self.fix_time) & (leading(np.abs(innovation - self.misfit)) > reach)
         astray = self.astray & np.logical_not(jumped)
 
+        offered = measured & np.logical_not(astray)
         unused = np.maximum(moment - self.range_time, 1.0e-3)
         curvature = navigator.curvature(self.covariances, north, east, distance)
         lasting = curvature / navigator.news(unused, self.wind_time) - curvature
@@ -536,23 +327,24 @@ class Navigator(stations.StationTable, Component):
             east,
             innovation,
             self.noise_sigma**2 + curvature + lasting,
-            measured & np.logical_not(astray),
+            offered,
             self.innovation_gate,
         )
         self.correct(correction)
         told = navigator.evidence(innovations, spreads, lasting, self.innovation_gate)
         by_first, by_second = taken
         taken = leading(taken)
+        self.judge(offered, taken, leading(innovations), leading(spreads))
         refused = np.logical_and(measured, np.logical_not(taken))
         self.rejected = self.rejected + np.sum(np.where(refused, 1.0, 0.0))
         self.used = self.used + np.sum(np.where(taken, 1.0, 0.0))
 
         was_against = self.refused_time > self.range_time
         moved = north * correction[:, :1] + east * correction[:, 1:2] + correction[:, 8:]
-        self.innovation = np.where(measured, innovation, self.innovation) - moved
+        self.misfit = np.where(measured, innovation, self.misfit) - moved
         self.range_time = np.where(taken, moment, self.range_time)
         self.refused_time = np.where(refused, moment, self.refused_time)
-        used = moment - self.range_time <= self.geometry_window
+        used = self.used_lately(moment)
         recent = moment - self.refused_time <= self.geometry_window
         against = recent & (self.refused_time > np.maximum(self.range_time, self.fix_time))
         believed = used & np.logical_not(against)
@@ -570,9 +362,7 @@ class Navigator(stations.StationTable, Component):
         told = np.where(heeded & (self.prior > 0.0), told * np.where(by_first, 1.0, news), 0.0)
         least = self.least_odds()
         self.log_odds = np.maximum(self.log_odds + np.sum(told), least)
-        winds = self.wind[0] - self.mean_wind[0], self.mean_wind[0] - self.wind_mean
-        estimates = np.concatenate([*winds, self.air_error[0], self.range_bias[0]])
-        improbable = navigator.improbable(estimates, self.modelled[0], self.estimate_limit)
+        improbable = navigator.improbable(self.estimates()[0], self.modelled[0], self.estimate_limit)
         heard = (self.prior > 0.0) & np.any(heeded)
         self.doubted = self.doubted | (heard & (improbable | (self.log_odds > -2.0 * least)))
 
@@ -587,11 +377,17 @@ class Navigator(stations.StationTable, Component):
         )
         shared = (1.0 - doubt) * doubt * np.stack([apart[0] * apart[0], apart[0] * apart[1], apart[1] * apart[1]])
         parts = kalman.unpack(self.covariances)[:, :2, :2]
-        self.covariance = weights @ kalman.pack(parts) + shared
-        self.north_sigma = np.sqrt(self.covariance[0])
-        self.east_sigma = np.sqrt(self.covariance[2])
-        self.mode = np.where(self.initialised, np.where(self.calibrating(), 1, 2), 0)
-        self.hdop = np.where(np.any(self.time - self.range_time <= self.geometry_window), self.hdop, 99.0)
+        self.position_covariance = weights @ kalman.pack(parts) + shared
+        self.north_sigma = np.sqrt(self.position_covariance[0])
+        self.east_sigma = np.sqrt(self.position_covariance[2])
+        others = self.estimates()
+        spread = (
+            weights @ kalman.diagonal(self.covariances)[:, 2:] + (1.0 - doubt) * doubt * (others[0] - others[1]) ** 2
+        )
+        self.state_sigma = np.concatenate(
+            [self.north_sigma[None], self.east_sigma[None], np.sqrt(np.maximum(spread, 0.0))]
+        )
+        self.tell_mode()
         self.solution.publish(
             latitude=latitude,
             longitude=longitude,

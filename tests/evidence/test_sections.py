@@ -178,7 +178,7 @@ def flown(
         "evaluation.consistent": np.arange(len(time)) % 100 < consistent,
         "navigator.north_sigma": sigma,
         "navigator.east_sigma": sigma,
-        "navigator.covariance[2]": correlation * sigma**2,
+        "navigator.position_covariance[2]": correlation * sigma**2,
         "navigator.used": 7.0,
         "navigator.rejected": 3.0,
     }

@@ -348,6 +348,27 @@ def test_a_wild_range_is_rejected_and_counted():
     assert np.hypot(*open_gate.error()) > 50.0
 
 
+def test_what_became_of_each_range_is_shown():
+    """Of a wild one, one that is taken, one that is out of reach; none in the next report; all while there is GPS."""
+    flight = Flight().fly(10.0, fix=True).fly(1.0, fix=False).fly(60.0, ranging=5.0)
+    flight.fly(5.0, ranging=5.0, shift=np.array([5000.0, 0.0, 0.0, 0.0, 0.0]))
+    assert list(flight["gate"]) == [2, 1, 0, 0, 0]
+    innovation, sigma = flight["innovation"], flight["innovation_sigma"]
+    assert innovation[0] == pytest.approx(5000.0, abs=1.0)
+    assert abs(innovation[1]) < 1.0
+    assert 5000.0 > 4.0 * sigma[0] and 0.9 < sigma[0] / sigma[1] < 1.1
+    nn, ne, ee = flight["position_covariance"]
+    assert (np.sqrt(nn), np.sqrt(ee)) == (flight["north_sigma"], flight["east_sigma"])
+    assert list(flight["state_sigma"][:2]) == [np.sqrt(nn), np.sqrt(ee)] and ne * ne < nn * ee
+    flight.stations = [False] * 5
+    flight.fly(5.0, ranging=5.0)
+    assert not np.any(flight["gate"])
+    assert list(flight["innovation"]) == list(innovation)
+    flight.stations = [True] * 2 + [False] * 3
+    flight.fly(5.0, fix=True, ranging=5.0)
+    assert list(flight["gate"]) == [3, 3, 0, 0, 0]
+
+
 def test_without_dme_aiding_ranges_are_ignored():
     with_ranges = Flight(dme_aiding=False).fly(10.0, fix=True).fly(1.0, fix=False).fly(60.0, ranging=5.0, shift=800.0)
     without = Flight().fly(10.0, fix=True).fly(1.0, fix=False).fly(60.0)

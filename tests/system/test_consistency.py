@@ -17,7 +17,11 @@ STOP = 1500.0
 MOMENTS = np.arange(420, 1501, 180)
 """Seconds at which errors are looked at: two and more minutes after the loss of GPS, three minutes apart. With ranges
 the errors at two of them are nearly independent."""
-COVARIANCE = ("navigator.covariance[1]", "navigator.covariance[2]", "navigator.covariance[3]")
+COVARIANCE = (
+    "navigator.position_covariance[1]",
+    "navigator.position_covariance[2]",
+    "navigator.position_covariance[3]",
+)
 AIDED = (None, "two_receivers", "scanning")
 ALONE = "one station"
 """The scanning receiver, with the first station alone in reach."""
