@@ -7,10 +7,11 @@
     python -m benchmarks.sensors    a sample of each sensor, in a loop in C
     python -m benchmarks.startup    navfmu run --help against bare Python
     python -m benchmarks.exporter   filters of up to 42 states out of the exporter, against loops written by hand in C
+    python -m benchmarks.kernels    a scalar measurement by each form of the covariance: operations and time
     python -m benchmarks            all of them, a table and benchmarks.json
 
 All but the last need the FMUs of build_fmus.py. Contenders take turns, round after round, so that a disturbance of the
 machine hits all of them; a result is the median over the rounds.
 """
 
-NAMES = ("ring", "flight", "faults", "imu_twin", "sensors", "startup", "exporter")
+NAMES = ("ring", "flight", "faults", "imu_twin", "sensors", "startup", "exporter", "kernels")
