@@ -29,6 +29,7 @@ ROOMS = (  # of the package, from the ground up: each may use what stands before
     "navaids",
     "sweep",
     "campaign",
+    "analysis",
     "figures",
     "testing",
     "cli",

@@ -12,6 +12,7 @@ from navfmu.terminal import interrupt, refusal
 
 COMMANDS = {  # command -> module, and its line in the list of commands
     "allan": ("navfmu.cli.allan", "Tell the errors of an inertial unit at rest apart."),
+    "analyse": ("navfmu.cli.analyse", "Say how good a navigator is, and why it is no better."),
     "cache": ("navfmu.cli.cache", "Show or empty the folder of what is kept to be quick."),
     "calibrate": ("navfmu.cli.calibrate", "Find the errors of a sensor in a recording."),
     "campaign": ("navfmu.cli.campaign", "Run variants x cases x seeds against requirements."),

@@ -21,12 +21,10 @@ from navfmu.fmi import names
 from navfmu.sweep.compare import comparable, compare, not_real, validity
 from navfmu.sweep.result import ALGORITHMS, Sweep
 from navfmu.system.experiment import Experiment, number
-from navfmu.system.pool import Board, in_threads
+from navfmu.system.pool import fly_all
 from navfmu.system.result import other_notes
 
 if TYPE_CHECKING:
-    import pandas
-
     from navfmu.system.assembly import Assembly
 
 POINTS = 10_000  # the shared points are thinned to at most about so many
@@ -57,7 +55,7 @@ def sweep(
         for algorithm in ALGORITHMS
         for step in ordered
     }
-    frames = _run_all(runs, jobs, progress)
+    frames = fly_all(runs, jobs, progress)
     compared, idle = comparable(frames)
     rows, apart = compare(frames, compared, ordered[0])
     counters = next(iter(frames.values())).attrs["lost"]
@@ -94,20 +92,6 @@ def _provenance(
     if experiment.record != tuple(experiment.system.signals()):
         words += ["--signals", ",".join(experiment.record)]
     return about | {"steps": list(steps), "period": period, "tolerance": tolerance, "command": shlex.join(words)}
-
-
-def _run_all(
-    runs: dict[tuple[str, float], Experiment], jobs: int | None, progress: Callable[[int, int], None] | None
-) -> dict[tuple[str, float], pandas.DataFrame]:
-    """All runs in threads, the longest first; the compiled loop leaves the interpreter free."""
-    steps = {key: round(run.stop / run.step) for key, run in runs.items()}
-    board = Board(sum(steps.values()), None if progress is None else lambda done, all_, _: progress(done, all_))
-    system = next(iter(runs.values())).system
-    if any(about.only_one_instance for about in system.descriptions.values()):
-        jobs = 1  # one process, one instance
-    order = sorted(runs, key=lambda key: -steps[key])
-    frames = dict(in_threads(order, lambda key: runs[key].run(board.of(key, steps[key])), jobs, board))
-    return {key: frames[key] for key in runs}
 
 
 def _checked_steps(steps: Sequence[float]) -> list[float]:

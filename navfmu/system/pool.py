@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
 from threading import Lock
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import pandas
+
+    from navfmu.system.experiment import Experiment
 
 Report = Callable[[int, int, str], None]  # steps made, all steps, a note
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
+Key = TypeVar("Key", bound=Hashable)
 
 
 class Stopped(BaseException):
@@ -72,3 +78,23 @@ def in_threads(
             board.stop()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+def fly_all(
+    runs: Mapping[Key, Experiment],
+    jobs: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    keep: Callable[[pandas.DataFrame], Answer] = lambda frame: frame,
+) -> dict[Key, Answer]:
+    """What is to be ``keep``-ed of the recording of each of these runs of one system, in their order.
+
+    They run in threads, the longest first; the compiled loop leaves the interpreter free.
+    """
+    steps = {key: round(run.stop / run.step) for key, run in runs.items()}
+    board = Board(sum(steps.values()), None if progress is None else lambda done, all_, _: progress(done, all_))
+    system = next(iter(runs.values())).system
+    if any(about.only_one_instance for about in system.descriptions.values()):
+        jobs = 1  # one process, one instance
+    order = sorted(runs, key=lambda key: -steps[key])
+    kept = dict(in_threads(order, lambda key: keep(runs[key].run(board.of(key, steps[key]))), jobs, board))
+    return {key: kept[key] for key in runs}

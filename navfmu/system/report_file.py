@@ -26,6 +26,7 @@ from navfmu.fmi.description import Variable
 from navfmu.report import pictures, statistics
 from navfmu.report.kind import Kind, Picture, Statistic, kinds
 from navfmu.report.notice import Notice
+from navfmu.system.analysed import Analysis
 from navfmu.system.default_record import Fmus, default_record, unknown
 from navfmu.system.phase import Phase, phases_of
 
@@ -46,6 +47,7 @@ class Content(Table):
     statistic: list[_one_of(STATISTICS)] = Field([], description="statistics of campaigns")
     notice: list[Notice] = Field([], description="signals that say that the system has noticed something")
     phase: list[Phase] = Field([], description="conditions with a name, for faults and requirements")
+    analysis: Analysis | None = Field(None, description="what analyses compare: errors, what is claimed, sources")
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class ReportFile:
     pictures: tuple[Picture, ...]
     statistics: tuple[Statistic, ...]
     notices: tuple[Notice, ...] = ()
+    analysis: Analysis | None = None
 
     @classmethod
     def of(cls, document: Document, fmus: Fmus, others: Callable[[], Sequence[Fmus]] = tuple) -> ReportFile:
@@ -67,8 +70,10 @@ class ReportFile:
         content = validated(document, Content)
         default_record(document, fmus, others)
         phases_of(document, fmus, others)
-        made = cls(tuple(content.picture), tuple(content.statistic), tuple(content.notice))
+        made = cls(tuple(content.picture), tuple(content.statistic), tuple(content.notice), content.analysis)
         made._check(document, fmus, others)
+        if content.analysis is not None:
+            content.analysis.check(document, fmus, others)
         return made
 
     def signals(self, fmus: Fmus) -> list[str]:

@@ -13,6 +13,7 @@ from navfmu.system.result import check_folder
 KINDS = {  # what a folder holds, and the files that say so when all of them are there
     "a campaign": ("campaign.json",),
     "a sweep": ("sweep.json",),
+    "an analysis": ("analysis.json",),
     "figures": ("figures.json",),
     "a run": ("recording.parquet", "report.html"),
 }

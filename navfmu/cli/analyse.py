@@ -1,0 +1,22 @@
+"""``navfmu analyse``: a command for each analysis."""
+
+from __future__ import annotations
+
+import click
+
+from navfmu.cli.group import Group
+
+LINES = {
+    "navfmu.cli.analyse_covariance": "What a navigator claims, beside the errors of many runs.",
+}
+COMMANDS = {module.rpartition("_")[2]: (module, line) for module, line in LINES.items()}
+"""A command has the name of its module."""
+
+
+class _Commands(Group):
+    modules = COMMANDS
+
+
+@click.group("analyse", cls=_Commands)
+def command() -> None:
+    """Say how good a navigator is, and why it is no better."""
