@@ -319,7 +319,7 @@ class Navigator(Reckoning, Component):
         offered = measured & np.logical_not(astray)
         unused = np.maximum(moment - self.range_time, 1.0e-3)
         curvature = navigator.curvature(self.covariances, north, east, distance)
-        lasting = curvature / navigator.news(unused, self.wind_time) - curvature
+        lasting = navigator.lasting(curvature, unused, self.wind_time)
         correction, covariances, taken, innovations, spreads = navigator.range_updates(
             np.zeros((2, STATES)),
             self.covariances,

@@ -112,3 +112,20 @@ def update(correction, upper, row, variance, residual, use=True, gate=0.0):
     rows, columns, _ = _triangle(order(upper))
     shift = np.where(taken, innovation, 0.0)[..., None] * gain
     return correction + shift, upper - gain[..., rows] * cross[..., columns], taken
+
+
+def updates(correction, upper, rows, variances, residuals, use, gate=0.0):
+    """Several measurements, one after the other; arguments as of :func:`update`, with an axis of measurements: the last
+    but one of ``rows``, the last of the others.
+
+    Returns correction, upper, which measurements were taken, and of each the innovation and its variance.
+    """
+    taken, innovations, spreads = [], [], []
+    for one in range(np.shape(residuals)[-1]):
+        row, variance, residual = rows[..., one, :], variances[..., one], residuals[..., one]
+        innovation, spread, _ = innovate(correction, upper, row, variance, residual)
+        correction, upper, was_taken = update(correction, upper, row, variance, residual, use[..., one], gate)
+        taken.append(was_taken)
+        innovations.append(innovation)
+        spreads.append(spread)
+    return correction, upper, np.stack(taken, -1), np.stack(innovations, -1), np.stack(spreads, -1)

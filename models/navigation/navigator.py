@@ -161,17 +161,12 @@ def range_updates(correction, upper, north, east, residual, variance, measured, 
     ranges. Each range has its own bias. Returns correction, upper, which ranges were taken (not those that the gate
     refuses), and of each range the innovation (m) and its variance (m^2).
     """
-    taken, innovations, spreads, row = [], [], [], _rows_of(upper)
-    for station, own in enumerate(np.eye(np.shape(residual)[-1])):
-        at = row(np.stack([north[..., station], east[..., station]], -1), np.zeros(VELOCITIES), own)
-        innovation, spread, _ = kalman.innovate(correction, upper, at, variance[..., station], residual[..., station])
-        correction, upper, one = kalman.update(
-            correction, upper, at, variance[..., station], residual[..., station], measured[..., station], gate
-        )
-        taken.append(one)
-        innovations.append(innovation)
-        spreads.append(spread)
-    return correction, upper, np.stack(taken, -1), np.stack(innovations, -1), np.stack(spreads, -1)
+    row = _rows_of(upper)
+    rows = [
+        row(np.stack([north[..., station], east[..., station]], -1), np.zeros(VELOCITIES), own)
+        for station, own in enumerate(np.eye(np.shape(residual)[-1]))
+    ]
+    return kalman.updates(correction, upper, np.stack(rows, -2), variance, residual, measured, gate)
 
 
 def evidence(innovations, spreads, lasting, gate):
@@ -196,6 +191,12 @@ def evidence(innovations, spreads, lasting, gate):
     wild = -0.5 * (gate * gate + np.log(spreads[0]))
     bounded = np.where(gate > 0.0, np.maximum(logarithms, wild), logarithms)
     return independent * (bounded[1] - bounded[0])
+
+
+def lasting(curvature, unused, time_constant):
+    """Variance that makes a range ``unused`` s after the last one which was used as much news of the ``curvature`` (m2)
+    as its correlation ``time_constant`` (s) allows."""
+    return curvature / news(unused, time_constant) - curvature
 
 
 def improbable(estimates, sigmas, limit):
@@ -238,3 +239,10 @@ def direction_cosines(latitude, longitude, sight):
     north = -sin_lat * cos_lon * unit[0] - sin_lat * sin_lon * unit[1] + cos_lat * unit[2]
     east = -sin_lon * unit[0] + cos_lon * unit[1]
     return north, east, length
+
+
+def vertical_cosine(latitude, longitude, sight):
+    """Upward components of the unit vectors of :func:`direction_cosines`."""
+    unit = sight / np.maximum(np.sqrt(np.sum(sight * sight, axis=0)), 1.0)
+    level = np.cos(longitude) * unit[0] + np.sin(longitude) * unit[1]
+    return np.cos(latitude) * level + np.sin(latitude) * unit[2]

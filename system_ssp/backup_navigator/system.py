@@ -38,7 +38,9 @@ ATTITUDES: dict[str, dict] = {
 }
 """Variants with another FMU in the place of ``ahrs``, and what its parameters are beside those of ``ahrs``: the filters
 of the thesis take the acceleration that the airspeed shows out of the specific force, and have no gates."""
-FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES)
+NAVIGATORS: dict[str, dict[str, str]] = {"navigator_reckoning": {}, "navigator_full": {}, "navigator_reduced": {}}
+"""Variants with another FMU in the place of ``navigator``, and what it is connected to beside that."""
+FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES, *NAVIGATORS)
 """Those of all variants."""
 POSITION = ("latitude", "longitude", "altitude")
 ANGLES = ("roll", "pitch", "heading")
@@ -131,6 +133,13 @@ def add_variants(system: SystemSource) -> None:
             components={"ahrs": f"{name}.fmu"},
             parameters={"ahrs": values} if values else {},
             description=f"attitude by {name} in the place of ahrs",
+        )
+    for name, connections in NAVIGATORS.items():
+        system.variant(
+            name,
+            components={"navigator": f"{name}.fmu"},
+            connections=connections,
+            description=f"navigation by {name} in the place of navigator",
         )
     system.variant(
         "gps_signals",

@@ -53,9 +53,10 @@ class Flight:
         airspeed_sigma=2.6,
         stations=(True, True, False, False, False),
         step=0.1,
+        component=Navigator,
         **parameters,
     ):
-        self.run = interpret(Navigator, update_period=step, **parameters)
+        self.run = interpret(component, update_period=step, **parameters)
         self.airspeed_sigma = airspeed_sigma
         self.heading_sigma, self.stations, self.step = heading_sigma, list(stations), step
         self.where = {n: parameters.get(f"station_{n}", STATION[n]) for n in STATION}

@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 from navfmu.errors import NavfmuError
-from system_ssp.backup_navigator.system import ATTITUDES, RECEIVERS, source
+from system_ssp.backup_navigator.system import ATTITUDES, NAVIGATORS, RECEIVERS, source
 
 FOLDER = Path(__file__).parents[2] / "system_ssp" / "backup_navigator"
 SCHEMAS = Path(fmpy.ssp.__file__).parent / "schema"
@@ -22,6 +22,8 @@ CONNECTED = {
     },
 }
 """Inputs that a variant connects otherwise, and the outputs that feed them, as arrays and bundles."""
+REPLACED = {**dict.fromkeys(ATTITUDES, "ahrs"), **dict.fromkeys(NAVIGATORS, "navigator")}
+"""Components in whose place a variant has another FMU."""
 
 
 def joined(document):
@@ -96,10 +98,14 @@ def test_every_variant_loads_alone_and_differs_from_the_base_where_it_says(load,
                 | CONNECTED[variant]
             )
             continue
-        if variant in ATTITUDES:
+        if variant in REPLACED:
+            place = REPLACED[variant]
             others = {name for name, it in system.descriptions.items() if it.guid != base.descriptions[name].guid}
-            assert others == {"ahrs"} and system.descriptions["ahrs"].model_identifier == variant
-            assert joined(files[f"{variant}.ssd"]) == joined(files["SystemStructure.ssd"])
+            assert others == {place} and system.descriptions[place].model_identifier == variant
+            more = {
+                tuple(end.split(".")): tuple(start.split(".")) for end, start in NAVIGATORS.get(variant, {}).items()
+            }
+            assert joined(files[f"{variant}.ssd"]) == joined(files["SystemStructure.ssd"]) | more
             continue
         if variant == "shared_bias":
             assert changed == {"dme.receiver_share"}
