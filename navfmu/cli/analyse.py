@@ -8,6 +8,8 @@ from navfmu.cli.group import Group
 
 LINES = {
     "navfmu.cli.analyse_covariance": "What a navigator claims, beside the errors of many runs.",
+    "navfmu.cli.analyse_fix": "How well distances and bearings fix a position.",
+    "navfmu.cli.analyse_observability": "Which errors distances along a track tell.",
 }
 COMMANDS = {module.rpartition("_")[2]: (module, line) for module, line in LINES.items()}
 """A command has the name of its module."""

@@ -64,3 +64,26 @@ def reachable(stations, points):
     spread = float(np.max(distance(*here, points.latitude, points.longitude)))
     longest = max(one.range for one in stations.stations)
     return stations.within(*here, spread + 1.001 * longest)  # places below the sea are nearer than on it
+
+
+def chosen(found, named, points, file):
+    """The stations that are named, or the two that cross best; a sentence where there is none."""
+    from navfmu.errors import NavfmuError, nearest
+    from navfmu.navaids.choice import choose
+
+    if named is None:
+        best = choose(reachable(found, points), points, 2)
+        if not best:
+            raise NavfmuError(f"{file}: none of its {len(found.stations)} stations is heard there")
+        return best
+    near = found.within(float(points.latitude[0]), float(points.longitude[0]), 1e9)
+    first = {}
+    for one in near:
+        first.setdefault(one.ident, one)  # names are used again far away
+    idents = [ident.strip() for ident in named.split(",")]
+    for ident in idents:
+        if ident not in first:
+            raise NavfmuError(f"--stations: {file} has no station '{ident}'{nearest(ident, first)}")
+    if len(set(idents)) < len(idents):
+        raise NavfmuError(f"--stations is {named}; expected each station once")
+    return [first[ident] for ident in idents]
