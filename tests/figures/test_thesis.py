@@ -14,7 +14,8 @@ from navfmu import System
 from navfmu.calibration.magnetometer import strips
 from navfmu.figures import Task, collection
 from navfmu.figures.comparison import AGREES, DIFFERS, EXPLAINED
-from navfmu_figures.thesis import t13, t26, t29, t30, t31, t32, t33
+from navfmu.navaids.station import plane
+from navfmu_figures.thesis import t13, t26, t27, t28, t29, t30, t31, t32, t33
 from tests import built
 
 ROWS = collection.collection("thesis").rows
@@ -99,6 +100,95 @@ def test_t26_the_printed_range_is_that_of_a_larger_map():
     far = t26.reach()
     largest = [np.max(t26.dilution(t26.THREE, t26.around(side))) for side in (far - 0.5, far)]
     assert largest[0] < 2.0 <= largest[1]
+
+
+# ---- T27 -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def fixed():
+    return t27.place(t27.Bearings.of_distances().turn)
+
+
+def test_t27_bearings_are_those_of_the_law_of_cosines():
+    """Of both distances and the line between the stations, in the plane. Wrong: the other crossing, degrees to A."""
+    north, east = np.subtract(t27.STATIONS["B"], t27.STATIONS["A"])
+    line, (a, b) = np.hypot(north, east), t27.DISTANCES
+    towards = np.degrees(np.arctan2(east, north))
+    at_a = np.degrees(np.arccos((a**2 + line**2 - b**2) / (2.0 * a * line)))
+    at_b = np.degrees(np.arccos((b**2 + line**2 - a**2) / (2.0 * b * line)))
+    found = t27.Bearings.of_distances()
+    turned = [np.degrees(e * 1852.0 / 6378137.0 * np.tan(np.radians(37.8))) for _, e in t27.STATIONS.values()]  # north
+    assert found.true == pytest.approx(np.add([towards + at_a, towards + 180.0 - at_b], turned), abs=0.05)
+    assert verdicts(t27.turned(found)) == [EXPLAINED, EXPLAINED]
+    other = t27.Bearings(np.add(found.true, [0.0, 2.0]), found.turn + 1.0)
+    assert verdicts(t27.turned(other)) == [DIFFERS, DIFFERS]
+
+
+def test_t27_the_table_is_found_and_a_mistake_differs(fixed):
+    """Wrong: the stated noise for the table's, weights that are none, axes for squares of axes."""
+    table, stated = t27.axes(fixed, t27.OF_THE_TABLE), t27.axes(fixed, t27.STATED)
+    unweighted = t27.without_weights(fixed, t27.OF_THE_TABLE)
+    assert verdicts(t27.compared(table, unweighted)) == [AGREES] * 9 + [EXPLAINED] + [AGREES] * 2
+    assert verdicts(t27.compared(stated, t27.without_weights(fixed, t27.STATED))).count(DIFFERS) == 8
+    assert verdicts(t27.compared(table | {"all of A B": unweighted}, unweighted)) == [AGREES] * 12
+    assert verdicts(t27.best(table, stated)) == [EXPLAINED, AGREES, AGREES, AGREES, EXPLAINED, AGREES, AGREES]
+    assert verdicts(t27.best(stated, table))[:2] == [DIFFERS, DIFFERS]
+
+
+def test_t27_least_squares_without_weights_are_those_of_draws(fixed):
+    """20 000 of them by numpy: an axis scatters by 0.5 %. Wrong: weights, metres for nautical miles."""
+    lines = t27.lines(t27.OF_THE_TABLE)["all of A B"]
+    unit = np.array([1852.0, 1852.0, 1.0, 1.0])
+    rows = np.array([line.seen(*map(np.asarray, fixed.values()))[1] for line in lines]) * 1852.0 / unit[:, None]
+    noise = np.array([line.sigma for line in lines]) / unit * np.random.default_rng(1).standard_normal((20000, 4))
+    places = np.linalg.lstsq(rows, noise.T, rcond=None)[0]
+    drawn = np.sqrt(np.linalg.eigvalsh(np.cov(places)))
+    assert t27.without_weights(fixed, t27.OF_THE_TABLE) == pytest.approx(list(drawn), rel=0.025)
+
+
+# ---- T28 -------------------------------------------------------------------------------------------------------------
+
+
+def test_t28_all_cases_are_found():
+    assert verdicts(t28.compared(t28.ranks())) == [AGREES] * 10
+
+
+def test_t28_flights_are_where_their_cases_say():
+    """Through the middle, and as long as 15 min are; on a map, geodesics bend by 0.1 nmi. Wrong: stations beside."""
+    for name, beside in {"a": 0.0, "b": 0.0, "c": 0.0, "I": 26.0}.items():
+        case = t28.CASES[name]
+        path, stations = case.seen("position").path, case.seen("position").stations
+        north, east = path.moved_n[-1]
+        assert np.hypot(north, east) == pytest.approx(900.0 * t28.SPEED, rel=1e-3)
+        for one in stations:
+            x, y = (of / 1852.0 for of in plane(one, path.points.latitude[0], path.points.longitude[0]))
+            assert abs(x * north - y * east) / np.hypot(north, east) == pytest.approx(beside, abs=0.2), name
+
+
+@pytest.mark.parametrize(
+    ("change", "wrong"),
+    [
+        ({("a", "position"): [1, 2]}, {0}),
+        ({("c", "position"): [0, 0]}, {2}),
+        ({("b", "reduced"): [2, 3]}, {4}),
+        ({("I", "position"): [1, 2]}, {6}),
+        ({("I", "reduced"): [3, 4]}, {7}),
+        ({("I", "sensors"): [4, 6]}, {8}),
+        ({("I", "sensors"): [3, 3]}, {8}),
+        ({("II", "sensors"): [5, 6]}, {9}),
+    ],
+)
+def test_t28_a_mistake_differs(change, wrong):
+    """One window that tells more, or less, than the case allows."""
+    found = {
+        (case, model): np.array([size, size]) for case in "abc" for model, size in (("position", 1), ("reduced", 2))
+    }
+    found |= {("I", "position"): np.array([2, 2]), ("I", "reduced"): np.array([4, 4])}
+    found |= {("I", "sensors"): np.array([4, 4]), ("II", "sensors"): np.array([6, 6])}
+    assert set(verdicts(t28.compared(found))) == {AGREES}
+    told = verdicts(t28.compared(found | {key: np.array(value) for key, value in change.items()}))
+    assert {i for i, one in enumerate(told) if one == DIFFERS} == wrong
 
 
 # ---- T29 -------------------------------------------------------------------------------------------------------------
