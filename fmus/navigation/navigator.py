@@ -6,6 +6,7 @@ import numpy as np
 
 from fmus import examples
 from fmus.navigation.interface import PLACES, Reckoning
+from fmus.navigation.small_aircraft import SETS
 from models.filters import kalman
 from models.navigation import navigator
 from models.processes.known import known
@@ -77,6 +78,7 @@ class Navigator(Reckoning, Component):
     *Altitude* is pressure altitude plus an offset learned from GPS while calibrating.
     """
 
+    parameter_sets = SETS
     example = Example(
         text="Level flight to the west at 90 kn in a wind of 15 kn, with heading wrong by 1 degree and airspeed by "
         "2 m/s. GPS is lost at 300 s (dotted). While there is GPS the position is good to metres and the wind "
