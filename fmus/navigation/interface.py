@@ -12,8 +12,9 @@ import numpy as np
 from fmus.grades import AIR_DATA
 from fmus.radio import stations
 from models.air import turbulence
-from models.processes import gauss_markov
-from models.processes.known import told
+from models.navigation import phases
+from models.processes import gauss_markov, past
+from models.processes.known import known, told
 from models.radio import dme
 from models.satellite import gps
 from navfmu.export import Bundle, Input, Output, Parameter, State
@@ -25,6 +26,10 @@ NONE, TAKEN, REFUSED, LEFT_OUT = range(4)
 refused it; it was there, but not asked for (there is GPS, or no aiding) or the station is not trusted."""
 NO_DILUTION = 99.0
 """`hdop` where lines do not cross."""
+MOMENTS = 12
+"""Of the past that a late fix is compared with."""
+LONGEST_DELAY = 1.0
+"""How far it reaches, s."""
 
 
 class Navigation(stations.StationTable):
@@ -65,6 +70,20 @@ class Navigation(stations.StationTable):
         velocity_n=Input(3, "m/s", display_unit="kn", description="velocity over ground: north, east, down"),
         description="GPS fix",
     )
+    fix_error_sigma = Input(
+        "m",
+        start=0.0,
+        min=0.0,
+        description="horizontal standard deviation that the receiver tells of its fix, root of the sum of squares of "
+        "north and east; 0: it tells none, and `fix_sigma` is taken",
+    )
+    augmented_protection = Input(
+        "m",
+        start=0.0,
+        min=0.0,
+        description="horizontal protection level by the augmentation (WAAS, LAAS); more than `protection_limit` where "
+        "it is lost; 0: it is not watched",
+    )
     ranging = Bundle(
         slant_range=Input(PLACES, "m", display_unit="nmi", description="measured distance to each station"),
         measured=Input(PLACES, kind="boolean", description="which ranges were measured"),
@@ -80,6 +99,28 @@ class Navigation(stations.StationTable):
         start=gps.HORIZONTAL_SIGMA,
         min=1.0e-3,
         description="standard deviation of north and of east of a fix (thesis section 3.10)",
+    )
+    fix_delay = Parameter(
+        "s",
+        start=0.0,
+        min=0.0,
+        max=LONGEST_DELAY,
+        description="how long before its `time_of_validity` a fix was valid: of receivers whose stamps are late "
+        "(`navfmu calibrate delay`)",
+    )
+    fix_sigma_limit = Parameter(
+        "m",
+        start=236.0,
+        min=0.0,
+        description="largest standard deviation of north and of east by which a fix serves: one of which 95 % lie "
+        "within 0.25 nmi, 463 m (own choice; thesis section 2.2 asks for 0.5 nmi)",
+    )
+    protection_limit = Parameter(
+        "m",
+        start=40.0,
+        min=0.0,
+        description="largest `augmented_protection` that serves precision approaches: 40 m (ICAO Annex 10, alert limit "
+        "of approaches with vertical guidance)",
     )
     velocity_sigma = Parameter(
         "m/s", start=gps.VELOCITY_SIGMA, min=1.0e-3, description="standard deviation of GPS velocity, each component"
@@ -138,6 +179,13 @@ class Navigation(stations.StationTable):
     east_sigma = Output("m", description="standard deviation of east position by the filter's covariance")
     position_covariance = Output(3, "m2", description="covariance of position: north, north with east, east")
     mode = Output(kind="integer", min=0, max=2, description="0 initialising, 1 calibrating (GPS), 2 coasting (no GPS)")
+    guidance = Output(
+        kind="integer",
+        min=phases.NO_GUIDANCE,
+        max=phases.BACKUP,
+        description="what serves by thesis Fig 2.2: 0 nothing yet, 1 GPS for all approaches, 2 GPS alone (its "
+        "augmentation is lost: no precision approaches), 3 the backup: land as soon as practical",
+    )
     hdop = Output(
         "1", start=99.0, description="dilution of precision of the ranges used lately; 99: lines do not cross"
     )
@@ -172,19 +220,28 @@ class Navigation(stations.StationTable):
         return told(self.air.valid, self.air.true_airspeed, self.air.true_airspeed_sigma)
 
     def fix_told(self):
-        """Whether there is a fix."""
+        """Whether there is a fix that serves."""
         fix = self.fix
-        return told(fix.valid, fix.latitude, fix.longitude, fix.altitude, fix.velocity_n)
+        there = told(fix.valid, fix.latitude, fix.longitude, fix.altitude, fix.velocity_n)
+        return there & (self.fix_sigma_told() <= np.maximum(self.fix_sigma_limit, self.fix_sigma))
+
+    def fix_sigma_told(self):
+        """Standard deviation (m) of north and of east of a fix, by what it says of itself."""
+        return phases.sigma_of(known(self.fix_error_sigma, 0.0), self.fix_sigma)
+
+    def fix_moment(self):
+        """When a fix was valid, s."""
+        return self.fix.time_of_validity - self.fix_delay
 
     def calibrating(self):
         """Whether there is GPS: the last report was good, is not too old, and still says so (a dropout clears
         `valid`)."""
-        fresh = self.time - self.fix_time <= self.fix_timeout + 1.0e-6
+        fresh = self.time - self.fix_time <= self.fix_timeout + self.fix_delay + 1.0e-6
         return self.fix_good & self.fix.valid & fresh
 
     def note_fix(self, good):
         """Remember a report of the receiver, and whether it was a ``good`` fix."""
-        self.fix_time = np.where(good, self.fix.time_of_validity, self.fix_time)
+        self.fix_time = np.where(good, self.fix_moment(), self.fix_time)
         self.fix_good = good
         ground_speed = np.sqrt(np.sum(self.fix.velocity_n[:2] * self.fix.velocity_n[:2]))
         self.last_speed = np.where(good, ground_speed, self.last_speed)
@@ -215,7 +272,13 @@ class Navigation(stations.StationTable):
 
     def tell_mode(self):
         """Show the phase, and that there is no dilution without ranges."""
-        self.mode = np.where(self.initialised, np.where(self.calibrating(), 1, 2), 0)
+        answers = (
+            self.initialised,
+            self.calibrating(),
+            phases.augmented(self.augmented_protection, self.protection_limit),
+        )
+        self.mode = phases.outcome(phases.PHASES, answers[:2])
+        self.guidance = phases.outcome(phases.GUIDANCE, answers)
         self.hdop = np.where(np.any(self.used_lately(self.time)), self.hdop, NO_DILUTION)
 
 
@@ -284,6 +347,10 @@ class Reckoning(Navigation):
     airspeed = State("m/s", display_unit="kn", description="measured airspeed in use")
     nose = State("rad", display_unit="deg", description="heading of the air velocity in use")
     had_air = State(kind="boolean", description="air data and heading have been seen")
+    past_times = State(MOMENTS, "s", start=LONG_AGO, description="moments of the past for late fixes")
+    past_velocities = State(
+        (MOMENTS, 2), "m/s", description="velocity relative to the air at these as measured: north, east"
+    )
 
     def top_speed(self):
         """The faster of ground speed by the last fix and airspeed, m/s: GPS may have been lost before take-off."""
@@ -299,6 +366,22 @@ class Reckoning(Navigation):
         (``seen``)."""
         age = np.clip(self.time - self.attitude.time_of_validity, -1.0, 1.0)
         return np.where(seen, self.attitude.heading + self.attitude.yaw_rate * age, self.nose)
+
+    def remember(self):
+        """Keep the measured air velocity of this tick; of `airspeed` and `nose`."""
+        spacing = LONGEST_DELAY / (MOMENTS - 2)
+        velocity = self.airspeed * np.stack([np.cos(self.nose), np.sin(self.nose)])
+        self.past_times, self.past_velocities = past.remember(
+            self.past_times, self.past_velocities, self.time, velocity, spacing
+        )
+
+    def turned_since(self, moment):
+        """What the aircraft has done since a ``moment``, s: measured air velocity then less that of now (m/s), how far
+        this carried (m), north and east each, and heading then less that of now (rad). All are 0 at the last tick."""
+        then = past.at(self.past_times, self.past_velocities, moment)
+        now = self.past_velocities[0]
+        angle = np.arctan2(now[0] * then[1] - now[1] * then[0], now[0] * then[0] + now[1] * then[1])
+        return then - now, past.since(self.past_times, self.past_velocities, moment), angle
 
     def climb_on(self, step):
         """Altitude, and the vertical speed, by what the pressure altitude has changed in ``step`` s."""

@@ -43,7 +43,12 @@ class Navigator(Reckoning, Component):
       range's time of validity, instead of the ranges projected on a plane of (6.32). When GPS returns, so does the
       calibrating phase.
 
-    The same filter runs through both: there is no switch-over, hence no step at the switch.
+    The same filter runs through both: there is no switch-over, hence no step at the switch. Where only the augmentation
+    of GPS (WAAS, LAAS) is lost, `augmented_protection` says so: it goes on to calibrate, by the larger sigma that the
+    fix tells, and `guidance` falls from 1 to 2 (Fig 2.2). A fix whose sigma is beyond `fix_sigma_limit` is none.
+
+    *Late fixes* are compared with position and velocity of the time at which they were valid, `fix_delay` before their
+    `time_of_validity`, up to 1 s ago: with how the measured air velocity has changed since.
 
     *Error model.* Wind, airspeed, heading and range biases are Gauss-Markov with the sigmas and times of Table 6.1; the
     bias's time is 0.5 nmi / V, V the ground speed. The sigmas of heading and airspeed are what their instruments say of
@@ -224,6 +229,7 @@ class Navigator(Reckoning, Component):
         self.nose = heading
         self.airspeed = airspeed
 
+        self.remember()
         self.climb_on(step)
         self.air_velocity = now
         self.had_air = np.logical_or(self.had_air, seen)
@@ -232,7 +238,8 @@ class Navigator(Reckoning, Component):
     def take_fix(self):
         good = self.fix_told()
         first = np.logical_and(good, np.logical_not(self.initialised))
-        start = np.concatenate([self.fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
+        fix_sigma = self.fix_sigma_told()
+        start = np.concatenate([fix_sigma * np.ones((2, 2)), self.modelled], -1) ** 2
         latitude = np.where(first, self.fix.latitude, self.latitude)
         longitude = np.where(first, self.fix.longitude, self.longitude)
         self.wind = np.where(first, self.wind_mean, self.wind)
@@ -240,22 +247,25 @@ class Navigator(Reckoning, Component):
         start_covariances = np.stack([kalman.of_variances(start[0]), kalman.of_variances(start[1])])
         covariances = np.where(first, start_covariances, self.covariances)
 
-        age = self.time - self.fix.time_of_validity
+        moment = self.fix_moment()
+        turned, carried, angle = self.turned_since(moment)
         velocity = self.air_velocity + self.wind
+        rows, rows_now = navigator.velocity_rows(self.nose + angle), navigator.velocity_rows(self.nose)
+        velocity_then = velocity + turned + self.air_error @ (rows - rows_now)[:, 4:].T
         offset = navigator.offset(latitude, longitude, self.altitude, self.fix.latitude, self.fix.longitude)
-        residual = velocity * age + offset.T
+        residual = velocity * (self.time - moment) + carried + offset.T
         squares = residual * residual
-        within = self.innovation_gate**2 * (kalman.diagonal(covariances)[:, :2] + self.fix_sigma**2)
+        within = self.innovation_gate**2 * (kalman.diagonal(covariances)[:, :2] + fix_sigma**2)
         beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within, axis=-1)
         begun = navigator.anew(covariances, (BEGUN_ANEW * np.max(squares, axis=-1))[:, None])
-        since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
+        since = np.maximum(moment - self.fix_time, 1.0e-3)
         correction, self.covariances = navigator.fix_updates(
             np.zeros((2, STATES)),
             np.where(beyond[:, None], begun, covariances),
             residual,
-            self.fix.velocity_n[:2] - velocity,
-            navigator.velocity_rows(self.nose),
-            (self.fix_sigma**2, self.velocity_sigma**2 + self.gusts(since)),
+            self.fix.velocity_n[:2] - velocity_then,
+            rows,
+            (fix_sigma**2, self.velocity_sigma**2 + self.gusts(since)),
             (good, np.logical_and(good, self.had_air)),
         )
         self.latitude, self.longitude = latitude, longitude

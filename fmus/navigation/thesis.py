@@ -91,6 +91,7 @@ class Thesis(Reckoning):
         self.upper = np.where(running, upper, self.upper)
         self.velocity = now
         self.modelled = sigmas
+        self.remember()
         self.climb_on(step)
         self.had_seen = seen
         self.had_air = np.logical_or(self.had_air, seen)
@@ -103,26 +104,29 @@ class Thesis(Reckoning):
         self.learn_altitude(good, begins)
         self.errors = np.where(begins, 0.0, self.errors)
         self.velocity = self.over_ground(self.errors)
-        passed = self.velocity * (self.time - self.fix.time_of_validity)
+        moment, sigma = self.fix_moment(), self.fix_sigma_told()
+        turned, carried, _ = self.turned_since(moment)
+        passed = self.velocity * (self.time - moment) + carried
         there = navigator.advance(self.fix.latitude, self.fix.longitude, self.height(), passed, 1.0)
         self.latitude = np.where(begins, there[0], self.latitude)
         self.longitude = np.where(begins, there[1], self.longitude)
-        start = np.concatenate([self.fix_sigma * np.ones(2), self.first_sigmas()])
+        start = np.concatenate([sigma * np.ones(2), self.first_sigmas()])
         upper = np.where(begins, kalman.of_variances(start * start), self.upper)
 
         away = navigator.offset(self.latitude, self.longitude, self.height(), *there)
         squares = away * away
-        within = self.innovation_gate**2 * (kalman.diagonal(upper)[:2] + self.fix_sigma**2)
+        within = self.innovation_gate**2 * (kalman.diagonal(upper)[:2] + sigma**2)
         beyond = good & (self.innovation_gate > 0.0) & np.any(squares > within)
-        since = np.maximum(self.fix.time_of_validity - self.fix_time, 1.0e-3)
+        since = np.maximum(moment - self.fix_time, 1.0e-3)
+        velocity = self.fix.velocity_n[:2] - turned - self.velocity
         of_velocity = self.velocity_sigma**2 + self.gusts(since)
         placed, moving = good & np.logical_not(begins), good & self.had_air & self.calibration
         correction, self.upper, *_ = kalman.updates(
             np.zeros(len(start)),
             np.where(beyond, navigator.anew(upper, BEGUN_ANEW * np.max(squares)), upper),
             self.fix_rows(self.velocity_rows(self.errors)),
-            np.concatenate([self.fix_sigma**2 * np.ones(2), of_velocity * np.ones(2), self.altitude_sigma[None] ** 2]),
-            np.concatenate([away, self.fix.velocity_n[:2] - self.velocity, (self.fix.altitude - self.height())[None]]),
+            np.concatenate([sigma**2 * np.ones(2), of_velocity * np.ones(2), self.altitude_sigma[None] ** 2]),
+            np.concatenate([away, velocity, (self.fix.altitude - self.height())[None]]),
             np.stack([placed, placed, moving, moving, placed]),
         )
         self.correct(correction)

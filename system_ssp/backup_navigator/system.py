@@ -148,6 +148,8 @@ def add_variants(system: SystemSource) -> None:
             "gps.specific_force": "aircraft.specific_force",
             "gps_solver.signals": "gps.signals",
             "navigator.fix": "gps_solver.fix",
+            "navigator.fix_error_sigma": "gps_solver.horizontal_sigma",
+            "navigator.augmented_protection": "gps_solver.augmented_horizontal_protection",
         },
         description="GPS as signals of satellites, whose solver makes the fixes",
     )

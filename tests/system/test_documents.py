@@ -19,6 +19,8 @@ CONNECTED = {
         ("gps", "specific_force"): ("aircraft", "specific_force"),
         ("gps_solver", "signals"): ("gps", "signals"),
         ("navigator", "fix"): ("gps_solver", "fix"),
+        ("navigator", "fix_error_sigma"): ("gps_solver", "horizontal_sigma"),
+        ("navigator", "augmented_protection"): ("gps_solver", "augmented_horizontal_protection"),
     },
 }
 """Inputs that a variant connects otherwise, and the outputs that feed them, as arrays and bundles."""
