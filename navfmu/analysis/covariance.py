@@ -181,7 +181,8 @@ def picture(result: CovarianceAnalysis) -> bytes:
 def named(experiment: Experiment) -> str:
     """The system and its variant."""
     variant = experiment.system.variant
-    return experiment.system.name + (f", {variant}" if variant else "")
+    name = experiment.system.name
+    return f"{name}, {variant}" if variant and not name.endswith(f"_{variant}") else name
 
 
 def moments(points: int) -> list[int]:

@@ -98,8 +98,11 @@ def rows_of(frame: pandas.DataFrame) -> Rows:
     return frame.index.to_numpy(), frame.to_numpy(float)
 
 
-def together(experiment: Experiment, runs: Mapping[int, Rows], window: Window) -> Ensemble:
-    """The points that all runs have, of runs of such an experiment by seed."""
+def together(experiment: Experiment, runs: Mapping[int, Rows], window: Window, definite: bool = True) -> Ensemble:
+    """The points that all runs have, of runs of such an experiment by seed.
+
+    With ``definite`` a covariance counts only where it is positive: where something is compared with it.
+    """
     analysis = table_of(experiment.system)
     count = min(len(time) for time, _ in runs.values())
     time = next(iter(runs.values()))[0][:count]
@@ -109,14 +112,15 @@ def together(experiment: Experiment, runs: Mapping[int, Rows], window: Window) -
     valid = values[..., 5] != 0.0 if analysis.valid else np.ones(values.shape[:2], bool)
     _refuse_broken(analysis, list(runs), time, values, valid & inside)
     first, both, second = np.moveaxis(covariance, -1, 0)
-    definite = (first > 0.0) & (first * second - both * both > 0.0)
-    points = inside & (valid & definite).all(axis=0)
+    positive = (first > 0.0) & (first * second - both * both > 0.0)
+    points = inside & (valid & (positive | (not definite))).all(axis=0)
     if np.count_nonzero(points) < LEAST:
         why = f" at which '{analysis.valid}' is not 0 in all runs" if analysis.valid else ""
+        why += f" and '{analysis.covariance}' is positive" if definite else ""
         raise NavfmuError(
             f"the trajectory is too short: from {max(window.start, 0.0):g} s to {min(window.end, time[-1]):g} s there "
-            f"are {np.count_nonzero(points)} points{why} and '{analysis.covariance}' is positive, expected at least "
-            f"{LEAST}; a longer --stop gives more"
+            f"are {np.count_nonzero(points)} points{why}, expected at least {LEAST}; "
+            "a longer --stop gives more"
         )
     unit = experiment.system.variable(analysis.errors[0]).unit or ""
     axes = tuple(words(name).removesuffix(" error") for name in analysis.errors)

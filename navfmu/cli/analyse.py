@@ -7,6 +7,7 @@ import click
 from navfmu.cli.group import Group
 
 LINES = {
+    "navfmu.cli.analyse_budget": "Errors, or what is claimed, by their sources.",
     "navfmu.cli.analyse_covariance": "What a navigator claims, beside the errors of many runs.",
     "navfmu.cli.analyse_fix": "How well distances and bearings fix a position.",
     "navfmu.cli.analyse_observability": "Which errors distances along a track tell.",
