@@ -14,7 +14,7 @@ from models.attitude import attitude
 from models.earth import earth
 from models.evaluation import evaluation
 from models.magnetic import magnetic_field
-from models.navigation import navigator
+from models.navigation import inertial, navigator
 from models.radio import dme
 from navfmu.constants import NAUTICAL_MILE, STANDARD_GRAVITY
 
@@ -188,6 +188,28 @@ def navigator_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
         "fix.valid": time < GPS_LOST,
         "ranging.slant_range": _ranges(flight)[first] + bias[second],
         "ranging.measured": turns,
+    }
+
+
+def inertial_inputs(time: np.ndarray) -> dict[str, np.ndarray]:
+    """The same flight by the samples of an inertial unit with biases, noise of automotive grade, and a level that is
+    wrong by half a degree at the beginning."""
+    rng = np.random.default_rng(7)
+    flight = _flight(time)
+    position = np.stack([flight["latitude"], flight["longitude"], flight["altitude"]], axis=1)
+    C_nb = attitude.dcm(0.0, 0.0, -0.5 * np.pi)
+    rates, forces = [], []
+    for place, velocity in zip(position, flight["velocity_n"], strict=True):
+        _, gained, turning = inertial.rates(place, velocity, np.zeros(3))
+        rates.append(C_nb.T @ turning)
+        forces.append(C_nb.T @ -gained)
+    noise = rng.standard_normal((2, len(time), 3))
+    return {
+        **navigator_inputs(time),
+        "imu.rate": np.array(rates) + np.array([0.02, -0.02, 0.01]) * DEG + 0.05 * DEG * noise[0],
+        "imu.specific_force": np.array(forces) + 5e-3 * STANDARD_GRAVITY + 1e-3 * STANDARD_GRAVITY * noise[1],
+        "attitude.roll": np.full_like(time, 0.5 * DEG),
+        "attitude.pitch": np.full_like(time, -0.3 * DEG),
     }
 
 

@@ -107,3 +107,25 @@ def ahrs_parameters(grade: str) -> dict[str, float]:
         "field_sigma": FIELD_SIGMA[grade],
         "hard_iron_sigma": float(np.linalg.norm(iron)),
     }
+
+
+def inertial_parameters(grade: str) -> dict[str, float]:
+    """Parameters of ``navigator_inertial`` for an inertial unit of this grade.
+
+    A gyro whose axis is off by an angle sees so much of the rate about another one, as a scale factor does of its own.
+    """
+    imu = GRADES[grade]
+    return {
+        "gyro_noise": imu["gyro_noise_sigma"],
+        "gyro_scale_sigma": float(np.hypot(imu["gyro_scale_factor_sigma"], imu["misalignment_sigma"])),
+        "gyro_null_shift_sigma": imu["gyro_null_shift_sigma"],
+        "gyro_drift_sigma": imu["gyro_drift_sigma"],
+        "gyro_drift_time": imu["gyro_drift_time"],
+        "accelerometer_noise": imu["accelerometer_noise_sigma"],
+        "accelerometer_null_shift_sigma": float(
+            np.hypot(imu["accelerometer_null_shift_sigma"], G * imu["accelerometer_scale_factor_sigma"])
+        ),
+        "accelerometer_drift_sigma": imu["accelerometer_drift_sigma"],
+        "accelerometer_drift_time": imu["accelerometer_drift_time"],
+        "level_sigma": float(np.hypot(imu["accelerometer_null_shift_sigma"] / G, imu["misalignment_sigma"])),
+    }

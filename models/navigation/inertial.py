@@ -9,8 +9,8 @@ the small rotation in n that is missing, C_nb = (1 + [tilt x]) C_nb estimated, a
 from the samples: of specific force and rate themselves, which the thesis has in their place, they are the negative.
 
 Misprints, found by differentiating :func:`rates`: the ones in P2P (5.41) are zeros; A2V (5.45) is -[f_n x]; in V2A
-(5.47) and P2A (5.46) the radius belongs to the direction of the velocity, R_EW with V_E and R_NS with V_N; S2V (5.48) is
-the transpose of (A.6), and its last element has q1^2 + q2^2; Gamma (5.56) turns the noise of biases into n, which is
+(5.47) and P2A (5.46) the radius belongs to the direction of the velocity, R_EW with V_E and R_NS with V_N; S2V (5.48)
+is the transpose of (A.6), and its last element has q1^2 + q2^2; Gamma (5.56) turns the noise of biases into n, which is
 that in b for equal axes. The change of the radii with latitude is left out, as in the thesis.
 """
 

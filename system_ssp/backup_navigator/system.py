@@ -38,7 +38,12 @@ ATTITUDES: dict[str, dict] = {
 }
 """Variants with another FMU in the place of ``ahrs``, and what its parameters are beside those of ``ahrs``: the filters
 of the thesis take the acceleration that the airspeed shows out of the specific force, and have no gates."""
-NAVIGATORS: dict[str, dict[str, str]] = {"navigator_reckoning": {}, "navigator_full": {}, "navigator_reduced": {}}
+NAVIGATORS: dict[str, dict[str, str]] = {
+    "navigator_reckoning": {},
+    "navigator_full": {},
+    "navigator_reduced": {},
+    "navigator_inertial": {"navigator.imu": "imu.reading"},
+}
 """Variants with another FMU in the place of ``navigator``, and what it is connected to beside that."""
 FMUS = (*COMPONENTS, "gps_signals", "gps_solver", *ATTITUDES, *NAVIGATORS)
 """Those of all variants."""
