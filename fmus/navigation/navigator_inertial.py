@@ -12,7 +12,7 @@ from models.attitude.ahrs_velocity import euler_sigmas
 from models.filters import kalman
 from models.navigation import inertial, navigator
 from models.processes import past
-from models.processes.known import told
+from models.processes.known import known, told
 from models.radio import dme
 from models.satellite import gps
 from navfmu.constants import STANDARD_GRAVITY
@@ -385,20 +385,20 @@ class NavigatorInertial(Navigation, Component):
         """Begin with a fix, or correct position and velocity of its time of validity."""
         fix = self.fix
         new = fix.sequence != self.fix_seen
-        good = self.fix_told() & new
+        good = told(self.fix_told() & new, fix.time_of_validity)
         tilted = np.max(self.sigmas()[inertial.TILT]) > self.tilt_limit
         lost = np.logical_not(self.initialised) | tilted
         age = self.time - self.imu_time
         begins = good & lost & self.attitude_told() & (age <= self.gap_limit)
-        behind = self.imu_time - fix.time_of_validity
+        behind = self.imu_time - known(fix.time_of_validity, self.imu_time)
         there = np.stack([fix.latitude, fix.longitude, fix.altitude])
-        known = np.where(good, there, self.position)
-        scale = inertial.metres(known[0], known[2])
+        near = np.where(good, there, self.position)
+        scale = inertial.metres(near[0], near[2])
         moved = np.array([1.0, 1.0, -1.0]) * (
             np.where(begins, fix.velocity_n, self.velocity_n) * behind
             + np.where(begins, 0.0, past.since(self.past_times, self.past_velocities, fix.time_of_validity))
         )
-        there = known + moved / scale
+        there = near + moved / scale
         turned = self.attitude.yaw_rate * np.clip(self.imu_time - self.attitude.time_of_validity, -1.0, 1.0)
         angles = self.attitude.roll, self.attitude.pitch, self.attitude.heading + turned
         self.position = np.where(begins, there, self.position)
@@ -474,7 +474,7 @@ class NavigatorInertial(Navigation, Component):
     def take_ranges(self):
         """Sequential updates by slant ranges, (6.39)-(6.42)."""
         new = self.ranging.sequence != self.ranging_seen
-        moment = self.ranging.time_of_validity
+        moment = known(self.ranging.time_of_validity, self.imu_time)
         back = np.array([1.0, 1.0, -1.0]) * self.velocity_n * (moment - self.imu_time)
         at = self.position + back / inertial.metres(self.position[0], self.position[2])
         sight = dme.line_of_sight(
@@ -482,7 +482,7 @@ class NavigatorInertial(Navigation, Component):
         )
         north, east, distance = navigator.direction_cosines(at[0], at[1], sight)
         up = navigator.vertical_cosine(at[0], at[1], sight)
-        wanted = self.wants_ranges() & new
+        wanted = told(self.wants_ranges() & new, self.ranging.time_of_validity)
         measured = self.ranges_there() & wanted
         scale = inertial.metres(at[0], at[2])
         plane = self.plane(scale)
