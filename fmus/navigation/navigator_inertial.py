@@ -6,7 +6,7 @@ import numpy as np
 
 from fmus import examples
 from fmus.grades import GRADES, inertial_parameters
-from fmus.navigation.interface import PLACES, Navigation
+from fmus.navigation.interface import LONGEST_DELAY, MOMENTS, PLACES, Navigation
 from models.attitude import attitude, quaternion
 from models.attitude.ahrs_velocity import euler_sigmas
 from models.filters import kalman
@@ -20,8 +20,8 @@ from navfmu.export import Bundle, Component, Example, Input, Output, Parameter, 
 
 OFFSET, BIASES = inertial.STATES, slice(inertial.STATES + 1, inertial.STATES + 1 + PLACES)
 STATES = inertial.STATES + 1 + PLACES
-MOMENTS, APART = 16, 0.05
-"""Of the past that is kept, and how far they are apart at least, s: 0.75 s."""
+APART = LONGEST_DELAY / (MOMENTS - 2)
+"""How far moments of the past are apart at least, s."""
 RATE_MOST, FORCE_MOST = 100.0, 500.0
 """What no sample of an aircraft is beyond, rad/s, m/s2."""
 BEGUN_ANEW = 1.0e4
@@ -64,7 +64,7 @@ class NavigatorInertial(Navigation, Component):
 
     *Phases* are those of `navigator`: each fix corrects position and velocity (`mode` 1), and after GPS is lost each
     range along its line of sight (`mode` 2). A fix is compared with what the navigator was at its time of validity,
-    from a past of 0.75 s. One that is beyond the gate is believed: position and velocity are begun anew.
+    from a past of a second. One that is beyond the gate is believed: position and velocity are begun anew.
 
     *Vertical channel.* An inertial altitude runs away, with a time constant of 9.5 minutes. Pressure altitude is a
     measurement like others: its error walks by `pressure_walk` and has noise of `pressure_noise`. (3.34) has 23 m for
@@ -348,7 +348,7 @@ class NavigatorInertial(Navigation, Component):
         )
         rate, _ = inertial.slow(self.gyro_null_shift_sigma, self.gyro_drift_sigma, self.gyro_drift_time)
         three, scale = np.ones(3), inertial.metres(self.fix.latitude, self.fix.altitude)
-        place = np.stack([self.fix_sigma, self.fix_sigma, self.altitude_sigma]) / scale
+        place = np.stack([self.fix_sigma_told(), self.fix_sigma_told(), self.altitude_sigma]) / scale
         level = np.hypot(np.maximum(self.attitude.roll_sigma, self.attitude.pitch_sigma), self.level_sigma)
         tilt = np.stack([level, level, self.attitude.heading_sigma])
         offset = np.hypot(self.altitude_sigma, self.pressure_noise)
@@ -386,17 +386,18 @@ class NavigatorInertial(Navigation, Component):
         fix = self.fix
         new = fix.sequence != self.fix_seen
         good = told(self.fix_told() & new, fix.time_of_validity)
+        moment = known(self.fix_moment(), self.imu_time)
         tilted = np.max(self.sigmas()[inertial.TILT]) > self.tilt_limit
         lost = np.logical_not(self.initialised) | tilted
         age = self.time - self.imu_time
         begins = good & lost & self.attitude_told() & (age <= self.gap_limit)
-        behind = self.imu_time - known(fix.time_of_validity, self.imu_time)
+        behind = self.imu_time - moment
         there = np.stack([fix.latitude, fix.longitude, fix.altitude])
         near = np.where(good, there, self.position)
         scale = inertial.metres(near[0], near[2])
         moved = np.array([1.0, 1.0, -1.0]) * (
             np.where(begins, fix.velocity_n, self.velocity_n) * behind
-            + np.where(begins, 0.0, past.since(self.past_times, self.past_velocities, fix.time_of_validity))
+            + np.where(begins, 0.0, past.since(self.past_times, self.past_velocities, moment))
         )
         there = near + moved / scale
         turned = self.attitude.yaw_rate * np.clip(self.imu_time - self.attitude.time_of_validity, -1.0, 1.0)
@@ -412,11 +413,11 @@ class NavigatorInertial(Navigation, Component):
         upper = np.where(begins, start, self.upper)
 
         away = np.concatenate([there[:1] - self.position[:1], self._around(there), there[2:] - self.position[2:]])
-        then = past.at(self.past_times, self.past_velocities, fix.time_of_validity)
+        then = past.at(self.past_times, self.past_velocities, moment)
         residuals = np.concatenate([away, fix.velocity_n - then])
         sigmas = np.concatenate(
             [
-                np.stack([self.fix_sigma, self.fix_sigma, self.altitude_sigma]) / scale,
+                np.stack([self.fix_sigma_told(), self.fix_sigma_told(), self.altitude_sigma]) / scale,
                 self.velocity_sigma * np.ones(3),
             ]
         )
