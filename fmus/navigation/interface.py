@@ -32,6 +32,18 @@ LONGEST_DELAY = 1.0
 """How far it reaches, s."""
 
 
+def known_share():
+    """The parameter of analyses in which a fix leaves no error."""
+    return Parameter(
+        "1",
+        start=0.0,
+        min=0.0,
+        max=1.0,
+        description="part of the variance of all errors that is known when a fix begins anew: 1 where it leaves none, "
+        "thesis (5.59), (5.60), which is for analyses",
+    )
+
+
 class Navigation(stations.StationTable):
     """Inputs, outputs and parameters of every navigator.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fmus import examples
 from fmus.grades import GRADES, inertial_parameters
-from fmus.navigation.interface import LONGEST_DELAY, MOMENTS, PLACES, Navigation
+from fmus.navigation.interface import LONGEST_DELAY, MOMENTS, PLACES, Navigation, known_share
 from models.attitude import attitude, quaternion
 from models.attitude.ahrs_velocity import euler_sigmas
 from models.filters import kalman
@@ -202,14 +202,7 @@ class NavigatorInertial(Navigation, Component):
         description="least standard deviation of roll and pitch at the beginning, beside what their reference says: "
         "that has the same accelerometers",
     )
-    known_share = Parameter(
-        "1",
-        start=0.0,
-        min=0.0,
-        max=1.0,
-        description="part of all errors that is known at each fix: 1 where a fix leaves none, thesis (5.60), which is "
-        "for analyses",
-    )
+    known_share = known_share()
     altitude_sigma = Parameter(
         "m",
         start=gps.VERTICAL_SIGMA,

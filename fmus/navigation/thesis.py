@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus.navigation.interface import LEFT_OUT, NONE, Reckoning
+from fmus.navigation.interface import LEFT_OUT, NONE, Reckoning, known_share
 from models.filters import kalman
 from models.navigation import navigator
 from models.satellite import gps
@@ -51,6 +51,8 @@ class Thesis(Reckoning):
         min=1.0e-3,
         description="standard deviation of the altitude of a fix (thesis section 3.10)",
     )
+
+    known_share = known_share()
 
     latitude = State("rad", display_unit="deg", description="geodetic latitude")
     longitude = State("rad", display_unit="deg", description="longitude")
@@ -111,7 +113,8 @@ class Thesis(Reckoning):
         self.latitude = np.where(begins, there[0], self.latitude)
         self.longitude = np.where(begins, there[1], self.longitude)
         start = np.concatenate([sigma * np.ones(2), self.first_sigmas()])
-        upper = np.where(begins, kalman.of_variances(start * start), self.upper)
+        start = (1.0 - self.known_share) * start * start
+        upper = np.where(begins, kalman.of_variances(start), self.upper)
 
         away = navigator.offset(self.latitude, self.longitude, self.height(), *there)
         squares = away * away
@@ -122,7 +125,7 @@ class Thesis(Reckoning):
         of_velocity = self.velocity_sigma**2 + self.gusts(since)
         placed, moving = good & np.logical_not(begins), good & self.had_air & self.calibration
         correction, self.upper, *_ = kalman.updates(
-            np.zeros(len(start)),
+            np.zeros(kalman.order(upper)),
             np.where(beyond, navigator.anew(upper, BEGUN_ANEW * np.max(squares)), upper),
             self.fix_rows(self.velocity_rows(self.errors)),
             np.concatenate([sigma**2 * np.ones(2), of_velocity * np.ones(2), self.altitude_sigma[None] ** 2]),
