@@ -44,7 +44,7 @@ def thesis(request):
     return request.param
 
 
-@pytest.fixture(scope="module", params=THESIS, ids=lambda component: component.layout.name)
+@pytest.fixture(scope="module", params=FAMILY, ids=lambda component: component.layout.name)
 def native(request, tmp_path_factory):
     return Native(request.param, tmp_path_factory.mktemp(request.param.layout.name))
 
@@ -225,10 +225,11 @@ def test_six_hours_leave_a_covariance_that_is_one(native):
             values |= bundle("ranging", k, k, slant_range=slant, measured=[True, True, False, False, False])
         return values
 
-    got = native.run(
-        6.0 * 3600.0, 1.0, ["upper", "north_sigma", "used"], {"update_period": 1.0, "noise_sigma": 0.01}, inputs
-    )
-    matrices = kalman.unpack(got["upper"][60::60])
+    name = "upper" if "upper" in native.fields else "covariances"
+    parameters = {"update_period": 1.0, "noise_sigma": 0.01}
+    got = native.run(6.0 * 3600.0, 1.0, [name, "used"], parameters, inputs)
+    elements = native.fields[name].shape[-1]
+    matrices = kalman.unpack(got[name][60::60].reshape(-1, elements))
     variances = np.diagonal(matrices, axis1=1, axis2=2)
     assert np.all(variances > 0.0)
     scale = 1.0 / np.sqrt(variances)
