@@ -24,6 +24,8 @@ STEPS = 30
 """Of Gauss and Newton; from where a fix is sought they end after some 5."""
 STILL = 1e-4
 """A step that ends them, m."""
+CONE = float(np.radians(60.0))
+"""From so steep above it on a VOR has no bearing: its cone of confusion."""
 LONGEST = 50e3
 """A step is cut to, m."""
 
@@ -54,14 +56,19 @@ def information(lines: Sequence[Line], latitude, longitude, altitude) -> np.ndar
 def covariance(lines: Sequence[Line], latitude, longitude, altitude) -> np.ndarray:
     """Of the errors of a fix to north and east, packed (..., 3), m2; infinite where it is useless.
 
-    It is where the longer axis of its ellipse (one sigma) reaches as far as the nearest station is: so far lines are
-    not straight, and what they say of the place they say of the station, too. That is so where lines do not cross.
+    It is where a station whose bearing is taken stands steeper than ``CONE`` below, and where the longer axis of its
+    ellipse (one sigma) reaches as far as the nearest station is: so far lines are not straight, and what they say of
+    the place they say of the station, too. That is so where lines do not cross.
     """
     north, both, east = np.moveaxis(information(lines, latitude, longitude, altitude), -1, 0)
     determinant = north * east - both * both
     known = determinant > 1e-14 * (north + east) ** 2
     packed = np.stack([east, -both, north], axis=-1) / np.where(known, determinant, 1.0)[..., None]
-    nearest = np.min([Line(one.station, DISTANCE, 1.0).seen(latitude, longitude, altitude)[0] for one in lines], axis=0)
+    nearest = np.full(np.shape(latitude), np.inf)
+    for line in lines:
+        far, steep = line.away(latitude, longitude, altitude)
+        nearest = np.minimum(nearest, far)
+        known &= (line.kind == DISTANCE) | (steep < CONE)
     known &= principal(packed)[0] < nearest
     return np.where(known[..., None], packed, np.inf)
 
@@ -114,6 +121,13 @@ def crossing(lines: Sequence[Line], place: Place) -> float:
 
 def useless(lines: Sequence[Line], points: Points, place: Place) -> str:
     """Why there is no fix at a place, as the end of a sentence."""
+    steep = [
+        line.station.ident
+        for line in lines
+        if line.kind == BEARING and line.away(*map(np.asarray, place.values()))[1] >= CONE
+    ]
+    if steep:
+        return f"{steep[0]} stands too steep below for a bearing, by more than {np.degrees(CONE):.0f} degrees"
     silent = [
         line.station.ident
         for line in lines
@@ -124,7 +138,7 @@ def useless(lines: Sequence[Line], points: Points, place: Place) -> str:
     return (
         f"its lines cross at {np.degrees(crossing(lines, place)):.2g} degrees, and along them a fix would be wrong by "
         "more than the nearest station is away: they must cross (two circles do not on the line through their "
-        "stations, two bearings neither, and none has a direction overhead)"
+        "stations, and two bearings neither)"
     )
 
 

@@ -42,6 +42,14 @@ class Line:
             slope = slope / np.maximum(to_north**2 + to_east**2, 1e-9)[..., None]
         return value, np.stack([np.sum(slope * axis, axis=-1) for axis in level(latitude, longitude)], axis=-1)
 
+    def away(self, latitude: np.ndarray, longitude: np.ndarray, altitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far places are from the station, m, and how high above its level plane, rad; each (...)."""
+        one = self.station
+        away = position(latitude, longitude, altitude) - position(one.latitude, one.longitude, one.elevation)
+        up = np.cross(*level(one.latitude, one.longitude)[::-1])
+        far = np.sqrt(np.sum(away * away, axis=-1))
+        return far, np.arcsin(np.clip(away @ up / np.maximum(far, 1e-9), -1.0, 1.0))
+
     def missing(self, measured: np.ndarray, value: np.ndarray) -> np.ndarray:
         """What is measured without what should be; bearings by the shorter way."""
         off = measured - value

@@ -184,20 +184,24 @@ def observability(
     level = np.stack([seen.north, seen.east], axis=-1)
     above = np.sqrt(np.maximum(1.0 - np.sum(level * level, axis=-1), 0.0))  # the station lies below
     times = np.arange(0, len(points.time), parts)
-    count = round(window / every)
+    count = int(window / every + 1e-9)
     windows = []
     for first in range(len(times) - count):
         start, end = times[first], times[first + count] + 1
         position, high, far = effects(path, found, idents, start, end)
-        rows = []
-        for number, at in enumerate(times[first : first + count + 1], first):
-            for which in range(len(stations)) if together else [number % len(stations)]:
-                if seen.heard[which, at]:
-                    row = -level[which, at] @ position[at - start] + above[which, at] * high[at - start]
-                    rows.append((row + far[at - start, which]) / sigma)
-        matrix = np.zeros((max(len(rows), len(found)), len(found)))
-        matrix[: len(rows)] = np.reshape(rows, (-1, len(found)))
-        _, values, directions = np.linalg.svd(matrix)
+        numbers = np.arange(first, first + count + 1)
+        if together:
+            at, which = np.repeat(times[numbers], len(stations)), np.tile(np.arange(len(stations)), count + 1)
+        else:
+            at, which = times[numbers], numbers % len(stations)
+        heard = seen.heard[which, at]
+        at, which = at[heard], which[heard]
+        rows = -np.einsum("ka,kas->ks", level[which, at], position[at - start])
+        rows += above[which, at][:, None] * high[at - start] + far[at - start, which]
+        matrix = np.vstack(
+            [rows / sigma, np.zeros((len(found), len(found)))]
+        )  # a value for each state, of few rows too
+        _, values, directions = np.linalg.svd(matrix, full_matrices=False)
         windows.append(Window(float(points.time[start]), float(points.time[end - 1]), len(rows), values, directions))
     return Observability(path, tuple(stations), found, model, every, window, together, tuple(windows))
 

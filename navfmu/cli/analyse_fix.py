@@ -60,6 +60,8 @@ def command(file, near, altitude, radius, track, stations, distance_sigma, beari
     here = None
     if near:
         altitude = within(5000.0 if altitude is None else altitude, -2000.0, 100000.0, "--altitude", "ft") * FOOT
+        if altitude < ground:
+            raise NavfmuError(f"--altitude is {altitude / FOOT:g} ft, below the ground at {ground / FOOT:g} ft")
         here = Place(*place(near), altitude)
         points = here.points(ground)
         if radius is not None:
@@ -87,6 +89,7 @@ def _at_place(fixes, here, count, seed):
     from navfmu.analysis.fix import crossing, direction, drawn, useless
     from navfmu.analysis.ghost import ghost
     from navfmu.constants import NAUTICAL_MILE
+    from navfmu.errors import NavfmuError
     from navfmu.terminal.console import console, say
     from navfmu.terminal.table import Column, Kind, Table
 
@@ -124,6 +127,8 @@ def _at_place(fixes, here, count, seed):
                 f"{np.degrees(other.latitude):.4f} {np.degrees(other.longitude):.4f}; a bearing, a third distance or "
                 "what is known of the place must tell them apart"
             )
+    if not draws:
+        raise NavfmuError(f"there is no fix at this place: {'; '.join(sentences)}")
     headings = ("cross at, deg", "long axis to, deg", "long axis, m", "short axis, m", "drms, m", "50 % circle, m",
                 "95 % circle, m", f"of {count} fixes, m")  # fmt: skip
     screen = console()

@@ -156,6 +156,17 @@ def test_a_station_below_is_none():
     assert useless([Line(silent, DISTANCE, FAR)], HERE.points(), HERE) == "S is not heard there"
 
 
+@pytest.mark.parametrize(("elevation", "known"), [(59.0, True), (61.0, False)])
+def test_no_bearing_is_taken_from_steep_above(elevation, known):
+    """Wrong: the cone around the level direction, an ellipse of nothing over the station."""
+    low = at(2.8 / np.tan(np.radians(elevation)), 0.0, "L", 200.0)
+    lines = methods((low, A), FAR, TURN)
+    assert np.isfinite(covariance_here(lines["all of L A"])).all() == known
+    assert np.isfinite(covariance_here(lines["rho-theta A"])).all()
+    if not known:
+        assert "L stands too steep below" in useless(lines["all of L A"], HERE.points(), HERE)
+
+
 def test_lines_cross_at_the_angle_between_stations():
     lines = methods((at(20.0, 0.0, "N"), at(20.0, 20.0, "O")), FAR, TURN)["rho-rho N O"]
     assert np.degrees(crossing(lines, HERE)) == pytest.approx(45.0, abs=0.2)
