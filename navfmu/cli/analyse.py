@@ -11,6 +11,7 @@ LINES = {
     "navfmu.cli.analyse_covariance": "What a navigator claims, beside the errors of many runs.",
     "navfmu.cli.analyse_fix": "How well distances and bearings fix a position.",
     "navfmu.cli.analyse_observability": "Which errors distances along a track tell.",
+    "navfmu.cli.analyse_sensitivity": "What each parameter that makes errors does, per unit.",
 }
 COMMANDS = {module.rpartition("_")[2]: (module, line) for module, line in LINES.items()}
 """A command has the name of its module."""
