@@ -38,6 +38,7 @@ HEAD = (
     "flight", "GPS late by, s", "hard iron, uT", "cuts", "60 s: median, largest, m", "180 s", "at the end",
     "first cut, at the end", "inside 3 sigma, %", "NEES (2)",
 )  # fmt: skip
+OTHERS = ("flight", "navigator", "60 s: median, largest, m", "180 s", "at the end", "inside 3 sigma, %", "NEES (2)")
 RANGED = (
     "flight",
     "60 s: median, largest, m",
@@ -77,6 +78,8 @@ def section(flown: Sequence[Flown]) -> Section:
         )
         page.items(f"{claim.sentence}: {claim.finding} ({claim.limit})" for claim in claims)
         page.table([*HEAD], [alone(one) for one in flown])
+        page.text("All navigators without DME:")
+        page.table([*OTHERS], [row for one in flown for row in others(one)])
         page.text(
             f"With ranges to three DME stations at 20 km once a second, errors of 0.17 nmi (3.38), {SEEDS} seeds; a "
             f"fix by one range from each has a sigma of {fix_sigma():.0f} m."
@@ -161,6 +164,20 @@ def alone(one: Flown) -> list[str]:
         f"{one.alone[0].after(END):.0f}{beside}",
         f"{inside(one.alone):.1f}",
         f"{squares(one.alone):.2f}",
+    ]
+
+
+def others(one: Flown) -> list[list[str]]:
+    """A row for each navigator without DME."""
+    return [
+        [
+            one.flight.name,
+            name,
+            *(told(after(cuts, seconds)) for seconds in TIMES),
+            f"{inside(cuts):.1f}",
+            f"{squares(cuts):.2f}",
+        ]
+        for name, cuts in one.by.items()
     ]
 
 

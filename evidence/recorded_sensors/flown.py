@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from evidence.recorded_sensors.baseline import distances
 from evidence.recorded_sensors.flight import Flight, vectors
 from fmus.attitude.ahrs_velocity import SMALL_AIRCRAFT as ATTITUDE
+from fmus.navigation.small_aircraft import INERTIAL
 from fmus.navigation.small_aircraft import SMALL_AIRCRAFT as NAVIGATOR
 from models.earth import earth
 from models.navigation import navigator
@@ -43,6 +44,15 @@ UNKNOWN_IRON = 0.2
 STATIONS = {"north": 0.0, "east": 0.5 * np.pi, "south-west": 1.25 * np.pi}
 DISTANCE, HEIGHT = 20e3, 200.0
 """Of the stations from the begin of the track, m, in these directions, and above it: they stand on hills."""
+OURS, STRAPDOWN = "navigator", "navigator_inertial"
+NAVIGATORS = {
+    OURS: NAVIGATOR.values,
+    "navigator_full": NAVIGATOR.values,
+    "navigator_reduced": NAVIGATOR.values,
+    "navigator_reckoning": NAVIGATOR.values,
+    STRAPDOWN: INERTIAL.values,
+}
+"""Which FMUs are flown without DME, with these parameters; OURS with DME, too."""
 SEEDS = 10
 """Of the noise of DME; nothing else is drawn."""
 
@@ -65,7 +75,7 @@ def attitude(flight: Flight, folder: Path, stop: float) -> pd.DataFrame:
 def sensors(flight: Flight, folder: Path, stop: float) -> SystemSource:
     """A system of players and ``ahrs_velocity``; the other FMUs that it may need lie in its ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("ahrs_velocity", "navigator", "dme"):
+    for name in ("ahrs_velocity", "dme", *NAVIGATORS):
         (folder / f"{name}.fmu").write_bytes(shipped.path(f"{name}.fmu").read_bytes())
     known = flight.hard_iron is not None
     iron = {"add": {"field_b": tuple(f"{-x:.17g}" for x in flight.hard_iron)}} if known else {}
@@ -152,14 +162,19 @@ def at(times: np.ndarray, values: np.ndarray, time: float) -> float:
 
 @dataclass(frozen=True)
 class Flown:
-    """A flight, by how much its GPS comes late (s), its cuts, those with DME for each seed, and what reckoning with the
-    log's own heading has for each cut: times (s) and horizontal errors (m)."""
+    """A flight, by how much its GPS comes late (s), its cuts by each navigator, those of OURS with DME for each seed,
+    and what reckoning with the log's own heading has for each cut: times (s) and horizontal errors (m)."""
 
     flight: Flight
     late: float
-    alone: list[Cut]
+    by: dict[str, list[Cut]]
     ranging: list[list[Cut]]
     baseline: list[tuple[np.ndarray, np.ndarray]]
+
+    @property
+    def alone(self) -> list[Cut]:
+        """Cuts of OURS without DME."""
+        return self.by[OURS]
 
     @cached_property
     def ranged(self) -> list[Cut]:
@@ -180,48 +195,58 @@ def after(cuts: Sequence[Cut], seconds: float) -> np.ndarray:
 
 
 def fly(flight: Flight, folder: Path, seeds: int = SEEDS) -> Flown:
-    """All cuts of a flight in one run for each seed of DME: they share the sensors and the attitude."""
+    """All cuts of a flight in one run, and in one for each seed of DME: they share the sensors and the attitude."""
     late = delay(flight, attitude(flight, folder / "first", flight.learned))
-    system(flight, late, folder)
-    loaded, cuts = System.load(folder / "system"), flight.cuts
+    cuts, navigators = flight.cuts, family(flight)
     faults = [Fault(f"cut_{i}", f"gps_{i}.jammed", "input", start=float(cut)) for i, cut in enumerate(cuts, 1)]
 
-    def run(kinds: Sequence[str], seed: int) -> list[list[Cut]]:
+    def run(kinds: Sequence[str], loaded: System, seed: int) -> list[list[Cut]]:
         names = [f"{kind}_{i}.{one}" for kind in kinds for i in range(1, len(cuts) + 1) for one in RECORDED]
         rows = loaded.run(step=flight.tick, seed=seed, faults=faults, record=names, record_period=PERIOD)
         return [
             [judged(flight, late, rows, f"{kind}_{i}", float(cut)) for i, cut in enumerate(cuts, 1)] for kind in kinds
         ]
 
-    alone, first = run(("alone", "ranging"), 1)
-    others = [run(("ranging",), seed)[0] for seed in range(2, seeds + 1)]
-    return Flown(flight, late, alone, [first, *others], distances(flight, late))
+    alone = run(navigators, system(flight, late, folder / "alone", navigators, ranging=False), 1)
+    ranging = system(flight, late, folder / "ranging", [OURS], ranging=True)
+    ranged = [run([OURS], ranging, seed)[0] for seed in range(1, seeds + 1)]
+    return Flown(flight, late, dict(zip(navigators, alone, strict=True)), ranged, distances(flight, late))
 
 
-def system(flight: Flight, late: float, folder: Path) -> None:
-    """Write a system with two navigators for each cut: a receiver of GPS of their own, and one of them with DME.
+def family(flight: Flight) -> list[str]:
+    """Which of NAVIGATORS a flight can have: none integrates samples that are too far apart."""
+    return [name for name in NAVIGATORS if flight.fast or name != STRAPDOWN]
+
+
+def system(flight: Flight, late: float, folder: Path, navigators: Sequence[str], ranging: bool) -> System:
+    """A system with a receiver of GPS and navigators for each cut, and DME if they are ``ranging``.
 
     The navigators begin in flight: on the ground airspeed says nothing of the wind.
     """
-    truth = path(flight, late)
+    made, truth = sensors(flight, folder, flight.airborne[1]), path(flight, late)
     truth.to_parquet(folder / "truth.parquet")
     flight.gps[flight.gps["time"] > flight.airborne[0]].to_parquet(folder / "fixes.parquet")
-    made = sensors(flight, folder, flight.airborne[1])
     play(folder / "fixes.parquet", "gps", folder / "gps.fmu", Asked(start=0.0, age=late, unchecked=True))
     play(folder / "truth.parquet", "gps", folder / "truth.fmu", Asked(start=0.0, unchecked=True))
     made.component("truth", "truth.fmu").parameters("truth", {"tick_period": TRACK_PERIOD})
     stations = around(*truth.iloc[0][[*PLACE, "altitude"]])
     for i in range(1, len(flight.cuts) + 1):
         made.component(f"gps_{i}", "gps.fmu").parameters(f"gps_{i}", {"tick_period": flight.tick})
-        for name in (f"alone_{i}", f"ranging_{i}"):
-            made.component(name, "navigator.fmu").parameters(name, {**NAVIGATOR.values, **stations})
+        if ranging:
+            made.component(f"dme_{i}", "dme.fmu").parameters(f"dme_{i}", {**stations, "mode": 3, "stream": i})
+            for one in (*PLACE, "altitude", "velocity_n"):
+                made.connect(f"truth.fix.{one}", f"dme_{i}.{one}")
+        for kind in navigators:
+            name, clock = f"{kind}_{i}", {"sample_period": flight.tick} if kind == STRAPDOWN else {}
+            made.component(name, f"{kind}.fmu").parameters(name, {**NAVIGATORS[kind], **stations, **clock})
             made.connect(f"gps_{i}.fix", f"{name}.fix")
             made.connect("ahrs.attitude", f"{name}.attitude").connect("air_data.air", f"{name}.air")
-        made.component(f"dme_{i}", "dme.fmu").parameters(f"dme_{i}", {**stations, "mode": 3, "stream": i})
-        for one in (*PLACE, "altitude", "velocity_n"):
-            made.connect(f"truth.fix.{one}", f"dme_{i}.{one}")
-        made.connect(f"dme_{i}.ranging", f"ranging_{i}.ranging")
+            if kind == STRAPDOWN:
+                made.connect("imu.reading", f"{name}.imu")
+            if ranging:
+                made.connect(f"dme_{i}.ranging", f"{name}.ranging")
     made.write(folder / "system")
+    return System.load(folder / "system")
 
 
 def judged(flight: Flight, late: float, run: pd.DataFrame, name: str, cut: float) -> Cut:

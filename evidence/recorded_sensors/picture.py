@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from evidence.recorded_sensors.flown import COVARIANCE, Cut, Flown, fix_sigma
+from evidence.recorded_sensors.flown import COVARIANCE, STRAPDOWN, Cut, Flown, fix_sigma
 from models.navigation import navigator
 from navfmu.report.figure import COLOURS, GREY, figure, png, title
 
@@ -32,7 +32,7 @@ def drawn(flown: Flown) -> bytes:
             title(drawing, left, f"{flown.flight.name}: {words}")
             every = cuts if cuts is flown.alone else flown.ranged
             most = max(np.max(cut.distance) for cut in every)
-            errors(right, flown, every, colour, 1.25 * (most if cuts is flown.alone else max(most, fix_sigma())))
+            errors(right, flown, every, colour, 1.3 * (most if cuts is flown.alone else max(most, fix_sigma())))
             several = "" if cuts is flown.alone else f", {len(flown.ranging)} seeds"
             title(drawing, right, f"Error after {len(cuts)} cuts{several}")
         axes[1][1].axhline(fix_sigma(), color=LIMIT, ls="--", label="sigma of a fix by three ranges")
@@ -120,6 +120,9 @@ def errors(axis: Any, flown: Flown, cuts: Sequence[Cut], colour: str, most: floa
             lw=1.6,
             label="with the log's own heading, which kept GPS: median",
         )
+    if STRAPDOWN in flown.by and cuts is flown.alone:
+        integrated = [(cut.distance.index - cut.time, cut.distance) for cut in flown.by[STRAPDOWN]]
+        axis.plot(since, medians(since, integrated, FEWEST), color=COLOURS[3], lw=1.6, label=f"{STRAPDOWN}: median")
     axis.set_xlim(0.0, longest)
     axis.set_ylim(0.0, most)
     axis.set_xlabel("time without GPS, s")

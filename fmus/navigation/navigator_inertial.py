@@ -7,6 +7,7 @@ import numpy as np
 from fmus import examples
 from fmus.grades import GRADES, inertial_parameters
 from fmus.navigation.interface import LONGEST_DELAY, MOMENTS, PLACES, Navigation, known_share
+from fmus.navigation.small_aircraft import INERTIAL
 from models.attitude import attitude, quaternion
 from models.attitude.ahrs_velocity import euler_sigmas
 from models.filters import kalman
@@ -80,7 +81,7 @@ class NavigatorInertial(Navigation, Component):
     """
 
     tick = "sample_period"
-    parameter_sets = SETS
+    parameter_sets = SETS | {"small_aircraft": INERTIAL}
     example = Example(
         text="Level flight to the west at 90 kn with biases of 0.02 deg/s and 5 mg that nobody knows. GPS is lost at "
         "300 s (dotted): what it has learned of the biases carries the position for a minute, and ranges from then on "

@@ -1,7 +1,10 @@
-"""What ``navigator`` is told of an unmanned aircraft of some kg near the ground."""
+"""What navigators are told of an unmanned aircraft of some kg near the ground."""
 
 from __future__ import annotations
 
+import numpy as np
+
+from navfmu.constants import STANDARD_GRAVITY
 from navfmu.export import ParameterSet
 
 SMALL_AIRCRAFT = ParameterSet(
@@ -19,3 +22,16 @@ SMALL_AIRCRAFT = ParameterSet(
 )
 
 SETS = {"small_aircraft": SMALL_AIRCRAFT}
+
+INERTIAL = ParameterSet(
+    "An unmanned aircraft of some kg with a micromechanical unit that is not nulled before the flight: zero-rate "
+    "offset of 1 deg/s, accelerometers 20 mg (data sheet of the BMI088), as `ahrs_velocity` has it; the rest is the "
+    "automotive unit of thesis Table 5.2. GPS: 2.1 m on each axis (data sheet of u-blox 8), 0.3 m/s (PX4).",
+    {
+        "fix_sigma": 2.1,
+        "velocity_sigma": 0.3,
+        "gyro_null_shift_sigma": np.radians(1.0),
+        "accelerometer_null_shift_sigma": 0.02 * STANDARD_GRAVITY,
+        "level_sigma": 0.02,
+    },
+)

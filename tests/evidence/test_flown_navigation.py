@@ -129,6 +129,15 @@ def test_position_is_kept_without_gps(done):
     assert done.alone[0].after(0.5) < 3.0
 
 
+def test_every_navigator_is_flown(done):
+    """With the same GPS, and none after the cut. What holds the last of a velocity, or integrates biases that it does
+    not know, is 1000 m wrong after a minute of turns and legs."""
+    assert list(done.by) == list(flown.NAVIGATORS)
+    for name, cuts in done.by.items():
+        assert np.max(flown.after(cuts, 5.0)) < 10.0, name
+        assert np.max(flown.after(cuts, 60.0)) < 200.0, name
+
+
 def test_with_dme_errors_are_those_of_a_fix_at_most(done):
     """And not zero: ranges have errors of 0.17 nmi."""
     ends = flown.after(done.ranged, np.inf)
@@ -152,7 +161,7 @@ def made(flight: Flight, error: float, theirs: float) -> Flown:
     times = begin + grown
     table = pd.DataFrame({"north": error * grown, "east": 0.0, "nn": 4.0 * grown**2 + 1.0, "ne": 0.0, "ee": 1.0}, times)
     cut = Cut(begin, table, table)
-    return Flown(flight, 0.0, [cut], [[cut]], [(times, theirs * grown)])
+    return Flown(flight, 0.0, {flown.OURS: [cut]}, [[cut]], [(times, theirs * grown)])
 
 
 def test_claims_follow_the_errors(flight):
