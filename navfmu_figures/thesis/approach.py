@@ -8,7 +8,7 @@ import pandas as pd
 
 from navfmu.figures import Task
 from navfmu_figures.thesis.claims import FMUS, Flight
-from navfmu_figures.thesis.error_models import DURATION, TABLE_7_1, ABEAM, approach
+from navfmu_figures.thesis.error_models import ABEAM, DURATION, TABLE_7_1, approach
 
 NEEDED = (*FMUS, "navigator_full")
 METHODS = {1: "1 receiver", 2: "2 receivers", 3: "scanning"}

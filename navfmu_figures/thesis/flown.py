@@ -20,6 +20,8 @@ from navfmu.ssp import SystemSource
 
 FMUS = ("wind", "aircraft", "imu", "magnetometer", "air_data", "dme", "gps", "ahrs", "evaluation")
 STEP = 0.01
+NO_MEAN = {"wind": {"mean_n": [0.0, 0.0, 0.0]}}
+"""A wind about a mean of 0, which the filters of the thesis forecast."""
 ERRORS = ("north_error", "east_error")
 POSITION, ANGLES = ("latitude", "longitude", "altitude"), ("roll", "pitch", "heading")
 

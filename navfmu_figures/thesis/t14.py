@@ -8,7 +8,7 @@ import pandas as pd
 from navfmu.figures import Comparison, Found, Task, row
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu_figures.thesis.claims import FMUS, Flight
-from navfmu_figures.thesis.error_models import CRUISE_NORTH, KNOWN, SPEED, ABEAM
+from navfmu_figures.thesis.error_models import ABEAM, CRUISE_NORTH, KNOWN, SPEED
 
 STOP, STEP = 1800.0, 0.1
 TIMES = (60.0, 300.0, 900.0, STOP)

@@ -11,7 +11,7 @@ import pandas as pd
 from navfmu.figures import Comparison, Difference, Found, Task, row
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu_figures.thesis.claims import FMUS, Flight, first_above, horizontal
-from navfmu_figures.thesis.error_models import CRUISE_NORTH, KNOWN, ABEAM, unit
+from navfmu_figures.thesis.error_models import ABEAM, CRUISE_NORTH, KNOWN, unit
 
 STOP = 1800.0
 HALF_MILE, SAID = 926.0, 700.0

@@ -10,7 +10,7 @@ import pandas as pd
 from navfmu.figures import Comparison, Found, Task, row
 from navfmu.report.figure import COLOURS, figure, png, title
 from navfmu_figures.thesis.claims import FMUS, Flight, horizontal
-from navfmu_figures.thesis.error_models import CRUISE_NORTH, KNOWN, ABEAM
+from navfmu_figures.thesis.error_models import ABEAM, CRUISE_NORTH, KNOWN
 
 STOP = 1800.0
 SOURCES = {
