@@ -21,6 +21,7 @@ from evidence.recorded_sensors import picture
 from evidence.recorded_sensors.flight import FAST, flights
 from evidence.recorded_sensors.flown import SEEDS, Cut, Flown, after, fix_sigma, fly
 from evidence.section import Section, left_out, recorded
+from navfmu.errors import NavfmuError
 from navfmu.files.writing import write_file
 from navfmu.report.claim import Claim
 from navfmu.report.page import Page
@@ -55,18 +56,22 @@ def run(out: Path) -> Section:
     folder, lacking = recorded("*/imu.parquet", under="sensors/flights")
     if lacking:
         return left_out(HEADING, lacking)
-    found, flown = flights(folder), []
+    found, flown, refused = flights(folder), [], []
     with Progress("flying") as progress:
         for done, flight in enumerate(found):
             progress(done, len(found), flight.name)
-            with tempfile.TemporaryDirectory(prefix="navfmu-") as made:
-                flown.append(fly(flight, Path(made)))
+            try:
+                with tempfile.TemporaryDirectory(prefix="navfmu-") as made:
+                    flown.append(fly(flight, Path(made)))
+            except NavfmuError as error:
+                refused.append(f"{flight.name}, because {error}")
+                continue
             write_file(out / "flown_navigation" / f"{flight.name}.png", picture.drawn(flown[-1]))
-    return section(flown)
+    return section(flown, refused)
 
 
-def section(flown: Sequence[Flown]) -> Section:
-    """What is claimed of flights whose inertial unit is fast enough, and a picture of each."""
+def section(flown: Sequence[Flown], refused: Sequence[str] = ()) -> Section:
+    """What is claimed of flights whose inertial unit is fast enough, and a picture of each; ``refused`` are others."""
     claims = [claim for one in flown if one.flight.fast for claim in claimed(one)]
 
     def write(page: Page) -> None:
@@ -85,12 +90,13 @@ def section(flown: Sequence[Flown]) -> Section:
             f"fix by one range from each has a sigma of {fix_sigma():.0f} m."
         )
         page.table([*RANGED], [ranged(one) for one in flown])
+        page.items(f"Not flown: {one}" for one in refused)
         for one in flown:
             page.picture(
                 picture.drawn(one), f"{one.flight.name}: tracks and errors after each cut, without and with DME"
             )
 
-    return Section(claims, write)
+    return Section(claims, write, "; ".join(refused))
 
 
 def claimed(one: Flown) -> list[Claim]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -129,6 +130,24 @@ def test_position_is_kept_without_gps(done):
     assert done.alone[0].after(0.5) < 3.0
 
 
+def test_the_hard_iron_that_is_found_is_taken_out(flight, tmp_path):
+    """As large as half of the field. Added instead of taken out, or left, heading is tens of degrees wrong before
+    the first cut."""
+    folder = tmp_path / "iron"
+    shutil.copytree(flight.folder, folder)
+    iron = np.array([2e-5, -1e-5, 1.5e-5])
+    field = pd.read_parquet(folder / "magnetometer.parquet")
+    field[["field_x", "field_y", "field_z"]] += iron
+    field.to_parquet(folder / "magnetometer.parquet")
+    one = Flight(folder)
+    one.__dict__["hard_iron"] = iron
+    angles = flown.attitude(one, tmp_path / "flown", one.learned)
+    log = pd.read_parquet(folder / "reference.parquet").set_index("time")["yaw"]
+    error = angles["heading"] - np.interp(angles.index, log.index, log)
+    error = np.degrees((error + np.pi) % (2.0 * np.pi) - np.pi)[angles.index > one.learned - 10.0]
+    assert np.max(np.abs(error)) < 3.0
+
+
 def test_every_navigator_is_flown(done):
     """With the same GPS, and none after the cut. What holds the last of a velocity, or integrates biases that it does
     not know, is 1000 m wrong after a minute of turns and legs."""
@@ -183,6 +202,20 @@ def test_of_a_slow_inertial_unit_nothing_is_claimed(flight, monkeypatch):
     page = Page("")
     section.write(page)
     assert "made" in page.html()
+
+
+def test_a_flight_that_cannot_be_flown_is_named_and_others_are_flown(done, tmp_path, monkeypatch):
+    """Its reason is said; the claims of the other one stand."""
+    for name in ("long", "short"):
+        shutil.copytree(done.flight.folder, tmp_path / "sensors" / "flights" / name)
+    done.flight.gps.query("time < 50").to_parquet(tmp_path / "sensors" / "flights" / "short" / "gps.parquet")
+    monkeypatch.setenv("NAVFMU_DATA", str(tmp_path))
+    fly = flown_navigation.fly
+    monkeypatch.setattr(flown_navigation, "fly", lambda flight, folder: fly(flight, folder, seeds=1))
+    section = flown_navigation.run(tmp_path / "out")
+    assert "short, because" in section.left_out
+    assert {claim.text.partition(":")[0] for claim in section.claims} == {"long"}
+    assert (tmp_path / "out" / "flown_navigation" / "long.png").exists()
 
 
 def test_the_picture_is_drawn(done):
