@@ -25,6 +25,7 @@ SECTIONS = (
     "real_flights",
     "jammed_flights",
     "flown_navigation",
+    "navigators",
     "sensors",
     "jsbsim",
     "expressions",
@@ -40,8 +41,8 @@ SECTIONS = (
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, flown_navigation, sensors, jsbsim,
-    expressions, figures, public_fmus and speed.
+    There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, flown_navigation, navigators, sensors,
+    jsbsim, expressions, figures, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)
