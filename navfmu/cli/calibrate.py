@@ -7,6 +7,7 @@ import click
 from navfmu.cli.group import Group
 
 LINES = {
+    "navfmu.cli.calibrate_delay": "How late velocities of a GPS receiver are, by an inertial unit.",
     "navfmu.cli.calibrate_gain": "The gain that three accelerometers have in common, at rest.",
     "navfmu.cli.calibrate_imu": "Errors of an inertial unit, from stands in several attitudes and turns.",
     "navfmu.cli.calibrate_magnetometer": "Hard iron, gains and soft iron of a triad that was turned.",

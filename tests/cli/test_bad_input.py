@@ -139,6 +139,7 @@ FOR_AN_FMU = {
     "imu": ["calibrate", "imu", "none.csv", "--latitude", "47.7"],
     "gain": ["calibrate", "gain", "none.csv", "--latitude", "47.7"],
     "magnetometer": ["calibrate", "magnetometer", "none.csv"],
+    "delay": ["calibrate", "delay", "none.csv", "other.csv"],
     "stations": ["stations", "none.csv", "--near", "37.7", "-121.8"],
 }
 

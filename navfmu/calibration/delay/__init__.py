@@ -1,0 +1,1 @@
+"""How late the stamps of a GPS receiver are, by the inertial unit of the same recording."""
