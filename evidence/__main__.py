@@ -26,6 +26,7 @@ SECTIONS = (
     "jammed_flights",
     "flown_navigation",
     "navigators",
+    "inertial_navigation",
     "sensors",
     "jsbsim",
     "expressions",
@@ -41,8 +42,8 @@ SECTIONS = (
 def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
-    There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, flown_navigation, navigators, sensors,
-    jsbsim, expressions, figures, public_fmus and speed.
+    There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, flown_navigation, navigators,
+    inertial_navigation, sensors, jsbsim, expressions, figures, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)
