@@ -74,7 +74,7 @@ def test_with_ranges_the_claim_of_full_order_is_what_is_seen(flown, mode):
 
 
 def test_r_as_printed_makes_the_reduced_order_boast(flown):
-    """(6.40) without the biases: a NEES of 1900 where 2 are expected; with the biases as noise it is within the interval
+    """(6.40) without the biases: a NEES of 1900 where 2 are expected; with the biases as noise it is in the interval
     of each moment, though neither heading nor airspeed are states."""
     boasting, _ = flown("navigator_reduced", **PRINTED)
     assert np.mean(boasting) > 200.0
