@@ -25,8 +25,8 @@ APART = LONGEST_DELAY / (MOMENTS - 2)
 """How far moments of the past are apart at least, s."""
 RATE_MOST, FORCE_MOST = 100.0, 500.0
 """What no sample of an aircraft is beyond, rad/s, m/s2."""
-BEGUN_ANEW = 1.0e4
-"""Variance of what is not believed at all, in squares of what it is wrong by."""
+BEGUN_ANEW = 1.0e8
+"""Variance of what is not believed at all, in variances of what it is begun anew from."""
 _DEFAULT = inertial_parameters("automotive")
 SETS = {
     grade: ParameterSet(
@@ -419,7 +419,7 @@ class NavigatorInertial(Navigation, Component):
         variances = kalman.diagonal(upper)[:6] + sigmas**2
         squares = residuals * residuals
         beyond = use & (self.innovation_gate > 0.0) & np.any(squares > self.innovation_gate**2 * variances)
-        upper = np.where(beyond, self._anew(upper, BEGUN_ANEW * squares + sigmas**2), upper)
+        upper = np.where(beyond, self._anew(upper, BEGUN_ANEW * sigmas**2), upper)
         correction = np.zeros(STATES)
         for place, row in enumerate(np.eye(STATES)[:6]):
             correction, upper, _ = kalman.update(correction, upper, row, sigmas[place] ** 2, residuals[place], use)

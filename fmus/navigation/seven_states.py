@@ -69,8 +69,11 @@ class SevenStates(Thesis):
         """Sigma and correlation time of each error. Without heading or airspeed (``seen``) the aircraft may turn
         anywhere, and what was learned of them is of no use when they are there again."""
         blind = self.top_speed()
-        heading = np.where(seen, known(self.attitude.heading_sigma, 0.0), blind / np.maximum(self.airspeed, SLOW))
-        airspeed = np.where(seen, known(self.air.true_airspeed_sigma, 0.0), blind)
+        told_heading, told_airspeed = (
+            np.maximum(known(sigma, 0.0), 0.0) for sigma in (self.attitude.heading_sigma, self.air.true_airspeed_sigma)
+        )
+        heading = np.where(seen, told_heading, blind / np.maximum(self.airspeed, SLOW))
+        airspeed = np.where(seen, told_airspeed, blind)
         own = np.where(self.had_seen, np.stack([self.heading_time, self.airspeed_time]), AT_ONCE)
         sigmas = np.concatenate([self.height_sigma[None], self.wind_sigma * np.ones(2), heading[None], airspeed[None]])
         times = np.concatenate(

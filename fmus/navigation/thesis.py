@@ -19,8 +19,9 @@ from models.navigation import navigator
 from models.satellite import gps
 from navfmu.export import Output, Parameter, State, every, on_new
 
-BEGUN_ANEW = 1.0e4
-"""Variance of a position that is not believed at all, in squares of what it is wrong by."""
+BEGUN_ANEW = 1.0e8
+"""Variance of a position that is not believed at all, in variances of what it is begun anew from: more would leave
+nothing of these in the digits of a number."""
 PRINTED = {"gust_sigma": 0.0, "innovation_gate": 0.0}
 """The thesis has no gusts and no gates."""
 
@@ -126,7 +127,7 @@ class Thesis(Reckoning):
         placed, moving = good & np.logical_not(begins), good & self.had_air & self.calibration
         correction, self.upper, *_ = kalman.updates(
             np.zeros(kalman.order(upper)),
-            np.where(beyond, navigator.anew(upper, BEGUN_ANEW * np.max(squares)), upper),
+            np.where(beyond, navigator.anew(upper, BEGUN_ANEW * sigma**2), upper),
             self.fix_rows(self.velocity_rows(self.errors)),
             np.concatenate([sigma**2 * np.ones(2), of_velocity * np.ones(2), self.altitude_sigma[None] ** 2]),
             np.concatenate([away, velocity, (self.fix.altitude - self.height())[None]]),

@@ -74,5 +74,8 @@ def picture(claims: pd.DataFrame) -> bytes:
             axis.plot(time / 60.0, np.sqrt(variance) / 1e3, color="k", ls=":", lw=1.2)
         axis.set(xlabel="time, min", ylabel="1 sigma, km", xlim=(0.0, STOP / 60.0), ylim=(0.0, None))
         axis.legend(title="dotted: closed form")
-        title(drawing, axis, "Dead reckoning grows as the integrals of its errors do")
+        same = all(one.verdict == "agrees" for one in compared(claims))
+        title(
+            drawing, axis, f"Dead reckoning grows {'as' if same else 'otherwise than'} the integrals of its errors do"
+        )
         return png(drawing)

@@ -125,7 +125,8 @@ def picture(by_name: Mapping[str, Flown]) -> bytes:
         errors.axhline(LIMIT, color="0.4", lw=0.8)
         errors.set(xlabel="time without GPS, min", ylabel="horizontal error, m", ylim=(0.0, 4000.0))
         errors.legend(title="half of the flights (dashed: 95 %)")
-        title(drawing, errors, "The three aided navigators are bounded, open loop is not")
+        aided = max(float(np.max(np.median(after(by_name[name]).error, axis=0))) for name in AIDED)
+        title(drawing, errors, f"Half of the aided flights are within {aided:.0f} m at all times")
         shares.set(xlabel="time without GPS, min", ylabel="beyond 0.5 nmi, %", ylim=(0.0, 100.0))
         shares.legend(title="seen (dashed: by covariance)")
         title(
