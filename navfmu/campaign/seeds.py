@@ -20,7 +20,7 @@ def parse_seeds(value: str | Sequence[int | str], error: Callable[[str], NavfmuE
             raise error(f"'{part}' is not a seed; expected, for example, [1, 2, 3] or \"1-8\"")
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first or last - first > 1_000_000:
-            raise error(f"'{part.strip()}' is not a range of seeds")
+            raise error(f"'{part.strip()}' is not a range of seeds; expected the lower first, a million at most")
         seeds += range(first, last + 1)
     if not seeds:
         raise error("no seeds are given")

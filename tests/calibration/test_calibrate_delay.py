@@ -123,3 +123,11 @@ def test_what_tells_no_delay_is_refused(tmp_path, name):
     made_of, sentence = REFUSED[name]
     result = navfmu("calibrate", "delay", *made(tmp_path, **made_of))
     assert result.exit_code == 2 and sentence in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("window", [("--begin", "nan"), ("--begin", "200", "--end", "100"), ("--begin", "900")])
+def test_a_window_without_velocities_is_that_of_the_options(tmp_path, window):
+    """Not that of the files, which are sound."""
+    result = navfmu("calibrate", "delay", *made(tmp_path, seconds=120.0), *window)
+    assert result.exit_code == 2
+    assert "expected --begin and --end in its time, 0 to 119.5 s" in " ".join(result.output.split())

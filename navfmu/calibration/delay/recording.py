@@ -76,7 +76,13 @@ def recording(
         raise NavfmuError(
             f"{fixes.file.path}, {fixes.file.row(at)}: time does not increase; expected velocities one after the other"
         )
-    within = (moments >= (-np.inf if begin is None else begin)) & (moments <= (np.inf if end is None else end))
+    first, last = moments[0] if begin is None else begin, moments[-1] if end is None else end
+    within = (moments >= first) & (moments <= last)
+    if not np.any(within):
+        raise NavfmuError(
+            f"{fixes.file.path}: no velocity is from {first:g} to {last:g} s; expected --begin and --end in its time, "
+            f"{moments[0]:g} to {moments[-1]:g} s"
+        )
     source = f"{unit.file.path}, {fixes.file.path}"
     return Recording(source, time, rate, force, moments[within], velocity[within], told)
 
