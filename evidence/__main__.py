@@ -27,6 +27,7 @@ SECTIONS = (
     "flown_navigation",
     "navigators",
     "inertial_navigation",
+    "reference_trajectory",
     "sensors",
     "jsbsim",
     "expressions",
@@ -43,7 +44,7 @@ def main(names: tuple[str, ...], out: str) -> None:
     """Show what the project claims: all of it, or the sections NAMEd.
 
     There are headline, fmea, step_sizes, closure, real_flights, jammed_flights, flown_navigation, navigators,
-    inertial_navigation, sensors, jsbsim, expressions, figures, public_fmus and speed.
+    inertial_navigation, reference_trajectory, sensors, jsbsim, expressions, figures, public_fmus and speed.
     The exit code is 1 when a claim is missed.
     """
     folder = Path(out)
